@@ -9,8 +9,8 @@
 //! indices (i, j, k) along (x, y, z) with **x fastest** everywhere. A displacement
 //! field u moves a point X to X + u.
 
-pub mod assembly;
-pub mod element;
 pub mod linalg;
-pub mod material;
 pub mod mesh;
+pub mod material;
+pub mod element;
+pub mod assembly;
