@@ -2,6 +2,10 @@
 
 mod cell_stiffness;
 mod dof_map;
+mod lattice_pattern;
+mod window;
 
 pub use cell_stiffness::CellStiffness;
 pub use dof_map::{Constraints, active_nodes};
+pub use lattice_pattern::LatticePattern;
+pub use window::Window;
