@@ -14,3 +14,4 @@ pub mod mesh;
 pub mod material;
 pub mod element;
 pub mod assembly;
+pub mod solver;

@@ -259,6 +259,7 @@ mod tests {
         let mut values = vec![f64::NAN; pattern.pattern().entry_count()];
         pattern.assemble_into(&example, &constraints, &mut values);
         let mut seen = 0.0;
+        let rounding = 1e-15 * dense.iter().flatten().fold(0.0f64, |m, v| m.max(v.abs()));
         for (rank_a, &a) in pattern.nodes.iter().enumerate() {
             for c in 0..3 {
                 for e in pattern.pattern().column(3 * rank_a + c) {
@@ -272,7 +273,11 @@ mod tests {
                         (false, true) if dense[3 * a as usize + c][3 * b + r] == 0.0 => 1.0,
                         _ => dense[3 * a as usize + c][3 * b + r],
                     };
-                    assert!((values[e] - exact).abs() <= 1e-12 * exact.abs(), "({b},{r}),({a},{c})");
+                    assert!(
+                        (values[e] - exact).abs() <= rounding,
+                        "({b},{r}),({a},{c}): {} against {exact}",
+                        values[e]
+                    );
                     seen += values[e].abs();
                 }
             }

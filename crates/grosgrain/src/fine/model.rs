@@ -1,0 +1,156 @@
+//! Voxels and materials become cell stiffnesses and masses.
+
+use crate::assembly::{CellStiffness, active_nodes};
+use crate::element::{CellMatrix, Hex8};
+use crate::material::{Elasticity, Material, MaterialTable};
+use crate::mesh::{Cell, Label, Lattice, Node, VoxelGrid, VoxelGridError};
+
+const VOID: u16 = u16::MAX;
+
+/// Why a body and its materials do not make a model.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum FineModelError {
+    /// The grid is unusable.
+    #[error(transparent)]
+    Grid(#[from] VoxelGridError),
+    /// A label has no material.
+    #[error("label {label} of voxel ({}, {}, {}) has no material; add one with label = {label}, or declare the label void", at[0], at[1], at[2])]
+    NoMaterial {
+        /// The label.
+        label: Label,
+        /// The first voxel that has it.
+        at: [usize; 3],
+    },
+    /// A per-voxel modulus on a material that is not isotropic.
+    #[error("material \"{name}\" is given by a stiffness matrix, which a modulus per voxel cannot scale; give it young and poisson")]
+    AnisotropicModulus {
+        /// The material's name.
+        name: String,
+    },
+}
+
+/// A voxel body with its materials: stiffness and mass of every fine cell.
+///
+/// Cells of one material share a reference stiffness; a modulus per voxel scales it.
+#[derive(Clone, Debug)]
+pub struct FineModel {
+    grid: VoxelGrid,
+    materials: Vec<(Label, Material)>,
+    references: Vec<CellMatrix>,
+    material_of: Vec<u16>,
+    factors: Vec<f64>,
+    active: Vec<bool>,
+}
+
+impl FineModel {
+    /// A model of the body.
+    ///
+    /// # Errors
+    /// Unusable grids, labels without a material, a per-voxel modulus on an anisotropic material.
+    pub fn new(grid: VoxelGrid, table: &MaterialTable) -> Result<Self, FineModelError> {
+        grid.validate()?;
+        let materials: Vec<(Label, Material)> = table.iter().map(|(label, m)| (label, m.clone())).collect();
+        let element = Hex8::new(grid.spacing);
+        let references = materials.iter().map(|(_, m)| element.stiffness(&m.elasticity.tensor())).collect();
+        let material_of = materials_of_cells(&grid, &materials)?;
+        let factors = stiffness_factors(&grid, &materials, &material_of)?;
+        let mut model = Self { grid, materials, references, material_of, factors, active: Vec::new() };
+        model.active = active_nodes(&model);
+        Ok(model)
+    }
+
+    /// The voxel body.
+    pub fn grid(&self) -> &VoxelGrid {
+        &self.grid
+    }
+
+    /// Whether a cell is void.
+    pub fn is_void(&self, cell: Cell) -> bool {
+        self.material_of[cell.0] == VOID
+    }
+
+    /// Which lattice nodes touch a solid cell.
+    pub fn active(&self) -> &[bool] {
+        &self.active
+    }
+
+    /// Number of nodes that touch a solid cell.
+    pub fn active_count(&self) -> usize {
+        self.active.iter().filter(|a| **a).count()
+    }
+
+    /// Position of a lattice node [m].
+    pub fn node_position(&self, node: Node) -> [f64; 3] {
+        self.grid.position(self.grid.lattice.node_position(node))
+    }
+
+    /// Young's modulus of a cell [Pa]; for an anisotropic material 1 / S₁₁ of its compliance S; zero for a void.
+    pub fn young(&self, cell: Cell) -> f64 {
+        let Some((_, material)) = self.materials.get(usize::from(self.material_of[cell.0])) else { return 0.0 };
+        match &material.elasticity {
+            Elasticity::Isotropic(m) => m.young() * self.factors[cell.0],
+            Elasticity::Anisotropic(tensor) => tensor.young_along_x(),
+        }
+    }
+
+    /// The elasticity tensor of a cell [Pa], `None` for a void.
+    pub fn elasticity(&self, cell: Cell) -> Option<crate::material::ElasticityTensor> {
+        let (_, material) = self.materials.get(usize::from(self.material_of[cell.0]))?;
+        Some(material.elasticity.tensor().scaled(self.factors[cell.0]))
+    }
+
+    /// Density of a cell [kg/m³], zero for a void.
+    pub fn density(&self, cell: Cell) -> f64 {
+        let Some((_, material)) = self.materials.get(usize::from(self.material_of[cell.0])) else { return 0.0 };
+        self.grid.density.as_ref().map_or(material.density, |density| density[cell.0])
+    }
+
+    /// Mass of a cell [kg].
+    pub fn cell_mass(&self, cell: Cell) -> f64 {
+        self.density(cell) * self.grid.cell_volume()
+    }
+
+    /// Mass of the body [kg].
+    pub fn mass(&self) -> f64 {
+        (0..self.grid.lattice.cell_count()).map(|c| self.cell_mass(Cell(c))).sum()
+    }
+}
+
+impl CellStiffness for FineModel {
+    fn lattice(&self) -> Lattice {
+        self.grid.lattice
+    }
+
+    fn stiffness(&self, cell: usize) -> Option<(f64, &CellMatrix)> {
+        let reference = self.references.get(usize::from(self.material_of[cell]))?;
+        Some((self.factors[cell], reference))
+    }
+}
+
+fn materials_of_cells(grid: &VoxelGrid, materials: &[(Label, Material)]) -> Result<Vec<u16>, FineModelError> {
+    let find = |label: Label| materials.binary_search_by_key(&label, |(l, _)| *l).ok();
+    let material_of = |cell: usize| {
+        if grid.void[cell] {
+            return Ok(VOID);
+        }
+        let label = grid.labels[cell];
+        let at = grid.lattice.cell_position(Cell(cell));
+        find(label).map(|m| m as u16).ok_or(FineModelError::NoMaterial { label, at })
+    };
+    (0..grid.lattice.cell_count()).map(material_of).collect()
+}
+
+fn stiffness_factors(
+    grid: &VoxelGrid,
+    materials: &[(Label, Material)],
+    material_of: &[u16],
+) -> Result<Vec<f64>, FineModelError> {
+    let Some(young) = &grid.young else { return Ok(vec![1.0; material_of.len()]) };
+    let factor = |cell: usize| match materials.get(usize::from(material_of[cell])).map(|(_, m)| m) {
+        None => Ok(0.0),
+        Some(Material { elasticity: Elasticity::Isotropic(material), .. }) => Ok(young[cell] / material.young()),
+        Some(Material { name, .. }) => Err(FineModelError::AnisotropicModulus { name: name.clone() }),
+    };
+    (0..material_of.len()).map(factor).collect()
+}

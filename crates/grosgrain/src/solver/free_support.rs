@@ -1,0 +1,51 @@
+//! How to hold a free body so that only the rigid part of its solution is chosen.
+
+use super::Support;
+use crate::assembly::Constraints;
+use crate::mesh::{Components, Lattice, Neighbourhood, Node};
+
+/// A support for a free body under loads in equilibrium: six statically determinate components when the solid cells are
+/// one face-connected part, else [`Support::Free`].
+pub fn free_support(lattice: Lattice, spacing: [f64; 3], void: &[bool], active: &[bool]) -> Support {
+    let one_part =
+        void.iter().all(|v| !v) || Components::new(void, &lattice, Neighbourhood::Faces).count() == 1;
+    if one_part { Support::Constraints(six_components(lattice, spacing, active)) } else { Support::Free }
+}
+
+/// All of a node A, two components of the node B farthest from it, one of the node C farthest from their line.
+fn six_components(lattice: Lattice, spacing: [f64; 3], active: &[bool]) -> Constraints {
+    let position = |n: usize| -> [f64; 3] {
+        let at = lattice.node_position(Node(n));
+        std::array::from_fn(|a| at[a] as f64 * spacing[a])
+    };
+    let nodes = || (0..active.len()).filter(|&n| active[n]);
+    let farthest = |measure: &dyn Fn([f64; 3]) -> f64| {
+        nodes().fold((0, f64::NEG_INFINITY), |best, n| {
+            let value = measure(position(n));
+            if value > best.1 { (n, value) } else { best }
+        })
+    };
+    let mut constraints = Constraints::none(active.len());
+    let Some(a) = nodes().next() else { return constraints };
+    let from_a = |x: [f64; 3]| -> [f64; 3] { std::array::from_fn(|i| x[i] - position(a)[i]) };
+    let (b, _) = farthest(&|x| square(from_a(x)));
+    let line = from_a(position(b));
+    let (c, _) = farthest(&|x| square(cross(line, from_a(x))));
+    let turn = cross(line, from_a(position(c)));
+    (0..3).for_each(|r| constraints.fix(a, r));
+    (0..3).filter(|r| *r != largest(line)).for_each(|r| constraints.fix(b, r));
+    constraints.fix(c, largest(turn));
+    constraints
+}
+
+fn square(v: [f64; 3]) -> f64 {
+    v.iter().map(|x| x * x).sum()
+}
+
+fn largest(v: [f64; 3]) -> usize {
+    (1..3).fold(0, |best, i| if v[i].abs() > v[best].abs() { i } else { best })
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}

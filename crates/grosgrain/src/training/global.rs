@@ -1,0 +1,41 @@
+//! Harmonic displacements of the whole object.
+
+use super::rigid::remove_rigid_motion;
+use super::{Progress, TrainingError};
+use crate::assembly::CellStiffness;
+use crate::fine::{FineModel, HARMONIC_FIELDS, constant_stress_loads};
+use crate::mesh::hull;
+use crate::solver::{LatticeSolver, SolveReport, SolverChoice, free_support};
+
+/// The six harmonic displacements h_αβ of the whole object (`kharevych2009numerical`): div(C:ε(h_αβ)) = 0 with the traction
+/// ½(e_α⊗e_β + e_β⊗e_α) n on the outer boundary; interior voids carry none.
+#[derive(Clone, Debug)]
+pub struct HarmonicDisplacements {
+    /// Six lattice vectors [m per Pa of traction], 3 entries per node, one after the other in the order xx, yy, zz, yz, xz, xy;
+    /// zero at nodes that touch no solid cell. Mean and first moment over the body's nodes are zero.
+    pub displacements: Vec<f64>,
+    /// How they were solved.
+    pub report: SolveReport,
+}
+
+impl HarmonicDisplacements {
+    /// Solves the six problems with one factorisation or six iterations.
+    ///
+    /// # Errors
+    /// When the systems are not solved, or the callback interrupts.
+    pub fn solve(model: &FineModel, choice: SolverChoice, progress: Progress<'_>) -> Result<Self, TrainingError> {
+        let lattice = model.lattice();
+        let spacing = model.grid().spacing;
+        let void = &model.grid().void;
+        let mut displacements = vec![0.0; 3 * HARMONIC_FIELDS * lattice.node_count()];
+        constant_stress_loads(lattice, spacing, &hull(void, &lattice), &mut displacements);
+        let support = free_support(lattice, spacing, void, model.active());
+        let report = LatticeSolver::new(model, &support, choice, HARMONIC_FIELDS)
+            .and_then(|mut solver| solver.solve_in_place(&mut displacements, progress))
+            .map_err(TrainingError::Global)?;
+        for column in displacements.chunks_exact_mut(3 * lattice.node_count()) {
+            remove_rigid_motion(lattice, spacing, model.active(), column);
+        }
+        Ok(Self { displacements, report })
+    }
+}

@@ -1,0 +1,154 @@
+//! Harmonic displacements on the one-ring of a coarse cell, or on the cell alone.
+
+use std::collections::HashMap;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use rayon::prelude::*;
+
+use super::cell_data::CellCutter;
+use super::{Progress, Training, TrainingError};
+use crate::assembly::{CellStiffness, LatticePattern, Window, active_nodes};
+use crate::fine::{FineModel, HARMONIC_FIELDS, constant_stress_loads};
+use crate::mesh::{Cell, Lattice, Node, hull};
+use crate::partition::{CellBox, CoarseCell, Partition};
+use crate::solver::{AnalysedLattice, DirectSolver, SolverError, free_support};
+
+/// The domain of a local problem.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RingKind {
+    /// The cell and its 26 neighbours, clipped at the lattice.
+    OneRing,
+    /// The cell alone.
+    SingleCell,
+}
+
+/// Solves the local problems of coarse cells.
+///
+/// Boxes of one shape share one symbolic analysis; factors and workspaces are kept and used again. Cells are
+/// independent: each is solved on one thread, so results do not depend on the number of threads.
+pub struct LocalTrainer {
+    partition: Partition,
+    kind: RingKind,
+    analysed: Mutex<HashMap<[usize; 3], Arc<AnalysedLattice>>>,
+    idle: Mutex<HashMap<[usize; 3], Vec<Workspace>>>,
+}
+
+struct Workspace {
+    solver: DirectSolver,
+    fields: Vec<f64>,
+}
+
+impl LocalTrainer {
+    /// A trainer for the coarse cells of `partition`.
+    pub fn new(partition: &Partition, kind: RingKind) -> Self {
+        Self { partition: *partition, kind, analysed: Mutex::default(), idle: Mutex::default() }
+    }
+
+    /// Training data of the listed cells, in parallel over cells.
+    ///
+    /// # Errors
+    /// When a local problem is not solved, or the callback interrupts.
+    pub fn train(
+        &self,
+        model: &FineModel,
+        cells: &[CoarseCell],
+        progress: Progress<'_>,
+    ) -> Result<Training, TrainingError> {
+        let (done, stop) = (AtomicUsize::new(0), AtomicBool::new(false));
+        let matrices: Result<Vec<Vec<f64>>, TrainingError> = cells
+            .par_iter()
+            .map(|&cell| {
+                if stop.load(Ordering::Relaxed) {
+                    return Err(TrainingError::Interrupted);
+                }
+                let matrix = self.train_cell(model, cell).map_err(|source| self.failure(cell, source))?;
+                let count = done.fetch_add(1, Ordering::Relaxed) + 1;
+                if !progress("training", count, cells.len()) {
+                    stop.store(true, Ordering::Relaxed);
+                }
+                Ok(matrix)
+            })
+            .collect();
+        let rows = 3 * self.partition.nodes_per_cell();
+        Ok(Training::from_parts(cells.to_vec(), rows, matrices?.concat()))
+    }
+
+    /// Training matrix of one cell, `3 (d + 1)³ × 6` row-major, on the calling thread.
+    ///
+    /// # Errors
+    /// When the local problem is not solved.
+    pub fn train_cell(&self, model: &FineModel, cell: CoarseCell) -> Result<Vec<f64>, SolverError> {
+        let domain = self.domain(cell);
+        let mut workspace = self.take(domain.cells)?;
+        let outcome = self.solve(model, cell, domain, &mut workspace);
+        lock(&self.idle).entry(domain.cells).or_default().push(workspace);
+        outcome
+    }
+
+    fn domain(&self, cell: CoarseCell) -> CellBox {
+        match self.kind {
+            RingKind::OneRing => self.partition.one_ring(cell),
+            RingKind::SingleCell => self.partition.cell_box(cell),
+        }
+    }
+
+    fn solve(
+        &self,
+        model: &FineModel,
+        cell: CoarseCell,
+        domain: CellBox,
+        workspace: &mut Workspace,
+    ) -> Result<Vec<f64>, SolverError> {
+        let window = Window::new(model, domain.start, domain.cells);
+        let lattice = window.lattice();
+        let void: Vec<bool> = (0..lattice.cell_count()).map(|c| window.stiffness(c).is_none()).collect();
+        let active = active_nodes(&window);
+        let spacing = model.grid().spacing;
+        constant_stress_loads(lattice, spacing, &hull(&void, &lattice), &mut workspace.fields);
+        workspace.solver.factor(&window, &free_support(lattice, spacing, &void, &active))?;
+        workspace.solver.solve_in_place(&mut workspace.fields);
+        let nodes = self.nodes_in(domain, cell);
+        Ok(CellCutter::new(&self.partition, spacing).cut(&nodes, &active, &workspace.fields))
+    }
+
+    /// The coarse cell's fine nodes as nodes of the domain's own lattice.
+    fn nodes_in(&self, domain: CellBox, cell: CoarseCell) -> Vec<Node> {
+        let own = self.partition.cell_box(cell).start;
+        let (local, ring) = (self.partition.cell_lattice(), Lattice::new(domain.cells));
+        (0..local.node_count())
+            .map(|n| {
+                let at = local.node_position(Node(n));
+                ring.node(std::array::from_fn(|a| own[a] - domain.start[a] + at[a]))
+            })
+            .collect()
+    }
+
+    fn take(&self, shape: [usize; 3]) -> Result<Workspace, SolverError> {
+        if let Some(workspace) = lock(&self.idle).get_mut(&shape).and_then(Vec::pop) {
+            return Ok(workspace);
+        }
+        let solver = DirectSolver::new(self.analysed(shape)?, HARMONIC_FIELDS)?;
+        let fields = vec![0.0; 3 * HARMONIC_FIELDS * Lattice::new(shape).node_count()];
+        Ok(Workspace { solver, fields })
+    }
+
+    fn analysed(&self, shape: [usize; 3]) -> Result<Arc<AnalysedLattice>, SolverError> {
+        let mut known = lock(&self.analysed);
+        if let Some(analysed) = known.get(&shape) {
+            return Ok(analysed.clone());
+        }
+        let analysed = Arc::new(AnalysedLattice::new(LatticePattern::full(Lattice::new(shape)))?);
+        known.insert(shape, analysed.clone());
+        Ok(analysed)
+    }
+
+    fn failure(&self, cell: CoarseCell, source: SolverError) -> TrainingError {
+        TrainingError::Local { at: self.partition.coarse().cell_position(Cell(cell.0)), source }
+    }
+}
+
+/// A thread that panicked leaves the pools as they were: both hold finished values only.
+fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}

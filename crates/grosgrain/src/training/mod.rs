@@ -1,0 +1,72 @@
+//! Training data: harmonic displacements on the whole object, on the one-ring of a coarse cell, or on the cell alone.
+
+mod cell_data;
+mod global;
+mod local;
+mod rigid;
+
+pub use cell_data::Training;
+pub use global::HarmonicDisplacements;
+pub use local::{LocalTrainer, RingKind};
+
+use crate::fine::FineModel;
+use crate::partition::{CoarseCell, Partition};
+use crate::solver::{SolveReport, SolverChoice, SolverError};
+
+/// On which domain the harmonic displacements of a coarse cell are solved (`trusty2022local`).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TrainingKind {
+    /// The whole object.
+    Global,
+    /// The cell and its neighbours, clipped at the object's boundary.
+    OneRing,
+    /// The cell alone; known to be poor, kept as the reference.
+    SingleCell,
+}
+
+/// Progress of a stage: its name, steps done, steps in all. Returning `false` interrupts it.
+pub type Progress<'a> = &'a (dyn Fn(&'static str, usize, usize) -> bool + Sync);
+
+/// Why there are no training data.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum TrainingError {
+    /// A local problem was not solved.
+    #[error("the harmonic displacements around coarse cell ({}, {}, {}) were not found: {source}", at[0], at[1], at[2])]
+    Local {
+        /// Position of the coarse cell.
+        at: [usize; 3],
+        /// Why.
+        source: SolverError,
+    },
+    /// The problem on the whole object was not solved.
+    #[error("the global harmonic displacements were not found: {0}")]
+    Global(#[source] SolverError),
+    /// The caller's progress callback asked to stop.
+    #[error("interrupted while training")]
+    Interrupted,
+}
+
+/// Training data of the listed coarse cells, and how the global problem was solved if there was one.
+///
+/// # Errors
+/// When a problem is not solved, or the callback interrupts.
+pub fn train(
+    model: &FineModel,
+    partition: &Partition,
+    cells: &[CoarseCell],
+    kind: TrainingKind,
+    progress: Progress<'_>,
+) -> Result<(Training, Option<SolveReport>), TrainingError> {
+    match kind {
+        TrainingKind::Global => {
+            let harmonic = HarmonicDisplacements::solve(model, SolverChoice::Auto, progress)?;
+            let training = Training::from_harmonic(model, partition, cells, &harmonic);
+            Ok((training, Some(harmonic.report)))
+        }
+        TrainingKind::OneRing => Ok((LocalTrainer::new(partition, RingKind::OneRing).train(model, cells, progress)?, None)),
+        TrainingKind::SingleCell => {
+            Ok((LocalTrainer::new(partition, RingKind::SingleCell).train(model, cells, progress)?, None))
+        }
+    }
+}
