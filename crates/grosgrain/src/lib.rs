@@ -9,9 +9,14 @@
 //! indices (i, j, k) along (x, y, z) with **x fastest** everywhere. A displacement
 //! field u moves a point X to X + u.
 
+pub mod progress;
 pub mod linalg;
 pub mod mesh;
 pub mod material;
 pub mod element;
 pub mod assembly;
 pub mod solver;
+pub mod fine;
+pub mod partition;
+pub mod training;
+pub mod coarsening;

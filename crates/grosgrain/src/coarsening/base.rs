@@ -197,8 +197,7 @@ fn laplace_matrix(spacing: [f64; 3]) -> CellMatrix {
 fn harmonic_weights(cells: &LaplaceCells) -> Result<Vec<[f64; 8]>, SolverError> {
     let lattice = cells.lattice;
     let d = lattice.cells[0];
-    let corners: [usize; 8] =
-        std::array::from_fn(|a| lattice.node([d * (a & 1), d * (a >> 1 & 1), d * (a >> 2)]).0);
+    let corners: [usize; 8] = std::array::from_fn(|a| lattice.node([d * (a & 1), d * (a >> 1 & 1), d * (a >> 2)]).0);
     let mut constraints = Constraints::none(lattice.node_count());
     corners.iter().for_each(|&n| (0..3).for_each(|r| constraints.fix(n, r)));
     let mut solver = DirectSolver::new(Arc::new(AnalysedLattice::new(LatticePattern::full(lattice))?), 8)?;

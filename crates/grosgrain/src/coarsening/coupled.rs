@@ -16,7 +16,9 @@ const CONSTRAINTS: usize = 18 + 3 * FIELDS;
 #[non_exhaustive]
 pub enum CoupledError {
     /// The saddle-point matrix is singular.
-    #[error("the coupled saddle-point system of {unknowns} unknowns is singular: the training fields depend on each other at the corners; use objective = \"closed-form\", which drops dependent fields")]
+    #[error(
+        "the coupled saddle-point system of {unknowns} unknowns is singular: the training fields depend on each other at the corners; use objective = \"closed-form\", which drops dependent fields"
+    )]
     Singular {
         /// Shape function coefficients and multipliers.
         unknowns: usize,

@@ -76,7 +76,10 @@ impl Fitter {
     /// # Panics
     /// Panics when a slice has the wrong length.
     pub fn fit_into(&self, training: &[f64], functions: &mut [f64]) -> FittedCell {
-        assert!(training.len() * COLUMNS == self.len() * FIELDS && functions.len() == self.len(), "matrix of the wrong shape");
+        assert!(
+            training.len() * COLUMNS == self.len() * FIELDS && functions.len() == self.len(),
+            "matrix of the wrong shape"
+        );
         let data = self.data_constraints(training);
         let mismatch = mismatch_matrix(&data);
         let kernel = Kernel { geometry: &self.geometry, mismatch: &mismatch, inverse: &data.inverse };
@@ -91,7 +94,10 @@ impl Fitter {
     /// # Panics
     /// Panics when a slice has the wrong length.
     pub fn fit_own_base(&self, training: &[f64], functions: &mut [f64]) -> FittedCell {
-        assert!(training.len() * COLUMNS == self.len() * FIELDS && functions.len() == self.len(), "matrix of the wrong shape");
+        assert!(
+            training.len() * COLUMNS == self.len() * FIELDS && functions.len() == self.len(),
+            "matrix of the wrong shape"
+        );
         let data = self.data_constraints(training);
         for (row, function) in functions.chunks_exact_mut(COLUMNS).enumerate() {
             let rigid = data.rigid.map(|motion| rigid_displacement(&motion, &self.node_offsets[row / 3])[row % 3]);

@@ -9,7 +9,7 @@ mod shape_functions;
 pub use base::{BaseFunctions, BaseKind};
 pub use coupled::{CoupledError, fit_coupled};
 pub use data_constraints::{DataConstraints, RANK_TOLERANCE};
-pub use fit::{Fitter, FittedCell};
+pub use fit::{FittedCell, Fitter};
 pub use shape_functions::{Objective, ShapeFunctionError, ShapeFunctions};
 
 /// Columns of a shape function matrix: three displacement components of eight corners.

@@ -11,8 +11,9 @@ use crate::assembly::Window;
 use crate::fine::FineModel;
 use crate::mesh::Cell;
 use crate::partition::{CoarseCell, Partition};
+use crate::progress::Progress;
 use crate::solver::SolverError;
-use crate::training::{Progress, Training};
+use crate::training::Training;
 
 /// How the constrained optimisation is solved.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -45,7 +46,9 @@ pub enum ShapeFunctionError {
         source: CoupledError,
     },
     /// The coupled optimisation is stated for the harmonic base only.
-    #[error("the coupled objective minimises the Dirichlet energy, whose base is \"harmonic\"; choose base = \"harmonic\" or objective = \"closed-form\"")]
+    #[error(
+        "the coupled objective minimises the Dirichlet energy, whose base is \"harmonic\"; choose base = \"harmonic\" or objective = \"closed-form\""
+    )]
     CoupledBase,
     /// The caller's progress callback asked to stop.
     #[error("interrupted while fitting shape functions")]

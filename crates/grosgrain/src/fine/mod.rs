@@ -2,8 +2,6 @@
 
 mod loads;
 mod model;
-mod static_solve;
 
 pub use loads::{HARMONIC_FIELDS, constant_stress, constant_stress_loads, gravity, node_forces, traction};
 pub use model::{FineModel, FineModelError};
-pub use static_solve::{FineSolution, FineSolver, SolveReport, SolverChoice};

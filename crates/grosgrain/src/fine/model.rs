@@ -23,7 +23,9 @@ pub enum FineModelError {
         at: [usize; 3],
     },
     /// A per-voxel modulus on a material that is not isotropic.
-    #[error("material \"{name}\" is given by a stiffness matrix, which a modulus per voxel cannot scale; give it young and poisson")]
+    #[error(
+        "material \"{name}\" is given by a stiffness matrix, which a modulus per voxel cannot scale; give it young and poisson"
+    )]
     AnisotropicModulus {
         /// The material's name.
         name: String,

@@ -81,6 +81,19 @@ impl ElasticityTensor {
         std::array::from_fn(|i| std::array::from_fn(|j| weight(i) * weight(j) * self.voigt[i][j]))
     }
 
+    /// Young's modulus along x [Pa]: 1 / S₁₁ with S = C⁻¹, by eliminating the other five strains from C₁₁.
+    pub fn young_along_x(&self) -> f64 {
+        let mut a = self.voigt;
+        for k in (1..6).rev() {
+            let pivot = a[k];
+            for row in a.iter_mut().take(k) {
+                let factor = row[k] / pivot[k];
+                row.iter_mut().zip(pivot).for_each(|(v, p)| *v -= factor * p);
+            }
+        }
+        a[0][0]
+    }
+
     /// The tensor times a factor.
     pub fn scaled(&self, factor: f64) -> Self {
         Self { voigt: self.voigt.map(|row| row.map(|v| factor * v)) }
@@ -101,4 +114,34 @@ fn first_nonpositive_pivot(mut a: [[f64; 6]; 6]) -> Option<usize> {
         }
     }
     None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::material::IsotropicMaterial;
+
+    #[test]
+    fn young_along_x_of_an_isotropic_tensor_is_its_modulus() {
+        let tensor = IsotropicMaterial::new(7.0, 0.4).unwrap().tensor();
+        assert!((tensor.young_along_x() - 7.0).abs() < 1e-14 * 7.0);
+    }
+
+    #[test]
+    fn mandel_contraction_equals_tensor_contraction() {
+        let tensor = IsotropicMaterial::new(2.0, 0.3).unwrap().tensor();
+        let shear = 0.1f64;
+        let mandel_strain = 2.0f64.sqrt() * shear;
+        let energy = mandel_strain * tensor.mandel()[5][5] * mandel_strain;
+        assert!((energy - 4.0 * shear * shear * tensor.voigt()[5][5]).abs() < 1e-15);
+    }
+
+    #[test]
+    fn indefinite_and_asymmetric_matrices_are_refused() {
+        let mut voigt = *IsotropicMaterial::new(2.0, 0.3).unwrap().tensor().voigt();
+        voigt[5][5] = -1.0;
+        assert_eq!(ElasticityTensor::from_voigt(voigt), Err(ElasticityTensorError::NotPositiveDefinite { order: 6 }));
+        voigt[5][4] = 1.0;
+        assert!(matches!(ElasticityTensor::from_voigt(voigt), Err(ElasticityTensorError::Asymmetric { .. })));
+    }
 }

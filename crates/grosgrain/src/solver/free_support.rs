@@ -7,8 +7,7 @@ use crate::mesh::{Components, Lattice, Neighbourhood, Node};
 /// A support for a free body under loads in equilibrium: six statically determinate components when the solid cells are
 /// one face-connected part, else [`Support::Free`].
 pub fn free_support(lattice: Lattice, spacing: [f64; 3], void: &[bool], active: &[bool]) -> Support {
-    let one_part =
-        void.iter().all(|v| !v) || Components::new(void, &lattice, Neighbourhood::Faces).count() == 1;
+    let one_part = void.iter().all(|v| !v) || Components::new(void, &lattice, Neighbourhood::Faces).count() == 1;
     if one_part { Support::Constraints(six_components(lattice, spacing, active)) } else { Support::Free }
 }
 

@@ -1,10 +1,11 @@
 //! Harmonic displacements of the whole object.
 
+use super::TrainingError;
 use super::rigid::remove_rigid_motion;
-use super::{Progress, TrainingError};
 use crate::assembly::CellStiffness;
 use crate::fine::{FineModel, HARMONIC_FIELDS, constant_stress_loads};
 use crate::mesh::hull;
+use crate::progress::Progress;
 use crate::solver::{LatticeSolver, SolveReport, SolverChoice, free_support};
 
 /// The six harmonic displacements h_αβ of the whole object (`kharevych2009numerical`): div(C:ε(h_αβ)) = 0 with the traction
@@ -31,7 +32,7 @@ impl HarmonicDisplacements {
         constant_stress_loads(lattice, spacing, &hull(void, &lattice), &mut displacements);
         let support = free_support(lattice, spacing, void, model.active());
         let report = LatticeSolver::new(model, &support, choice, HARMONIC_FIELDS)
-            .and_then(|mut solver| solver.solve_in_place(&mut displacements, progress))
+            .and_then(|mut solver| solver.solve_in_place(&mut displacements))
             .map_err(TrainingError::Global)?;
         for column in displacements.chunks_exact_mut(3 * lattice.node_count()) {
             remove_rigid_motion(lattice, spacing, model.active(), column);

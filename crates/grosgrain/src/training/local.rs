@@ -7,11 +7,12 @@ use std::sync::{Arc, Mutex, PoisonError};
 use rayon::prelude::*;
 
 use super::cell_data::CellCutter;
-use super::{Progress, Training, TrainingError};
+use super::{Training, TrainingError};
 use crate::assembly::{CellStiffness, LatticePattern, Window, active_nodes};
 use crate::fine::{FineModel, HARMONIC_FIELDS, constant_stress_loads};
 use crate::mesh::{Cell, Lattice, Node, hull};
 use crate::partition::{CellBox, CoarseCell, Partition};
+use crate::progress::Progress;
 use crate::solver::{AnalysedLattice, DirectSolver, SolverError, free_support};
 
 /// The domain of a local problem.

@@ -11,9 +11,10 @@ pub use local::{LocalTrainer, RingKind};
 
 use crate::fine::FineModel;
 use crate::partition::{CoarseCell, Partition};
+use crate::progress::Progress;
 use crate::solver::{SolveReport, SolverChoice, SolverError};
 
-/// On which domain the harmonic displacements of a coarse cell are solved (`trusty2022local`).
+/// On which domain the harmonic displacements of a coarse cell are solved (`he2022fast`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TrainingKind {
     /// The whole object.
@@ -23,9 +24,6 @@ pub enum TrainingKind {
     /// The cell alone; known to be poor, kept as the reference.
     SingleCell,
 }
-
-/// Progress of a stage: its name, steps done, steps in all. Returning `false` interrupts it.
-pub type Progress<'a> = &'a (dyn Fn(&'static str, usize, usize) -> bool + Sync);
 
 /// Why there are no training data.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -64,7 +62,9 @@ pub fn train(
             let training = Training::from_harmonic(model, partition, cells, &harmonic);
             Ok((training, Some(harmonic.report)))
         }
-        TrainingKind::OneRing => Ok((LocalTrainer::new(partition, RingKind::OneRing).train(model, cells, progress)?, None)),
+        TrainingKind::OneRing => {
+            Ok((LocalTrainer::new(partition, RingKind::OneRing).train(model, cells, progress)?, None))
+        }
         TrainingKind::SingleCell => {
             Ok((LocalTrainer::new(partition, RingKind::SingleCell).train(model, cells, progress)?, None))
         }
