@@ -20,3 +20,5 @@ pub mod fine;
 pub mod partition;
 pub mod training;
 pub mod coarsening;
+pub mod coarse;
+pub mod dynamics;

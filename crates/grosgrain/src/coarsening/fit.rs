@@ -82,8 +82,14 @@ impl Fitter {
         );
         let data = self.data_constraints(training);
         let mismatch = mismatch_matrix(&data);
-        let kernel = Kernel { geometry: &self.geometry, mismatch: &mismatch, inverse: &data.inverse };
-        pulp::Arch::new().dispatch(|| kernel.run(&self.base, training, functions));
+        pulp::Arch::new().dispatch(Kernel {
+            geometry: &self.geometry,
+            mismatch: &mismatch,
+            inverse: &data.inverse,
+            base: &self.base,
+            training,
+            functions,
+        });
         self.set_corners(functions);
         FittedCell { rank: data.rank, condition: data.condition }
     }
@@ -177,38 +183,53 @@ fn mismatch_matrix(data: &DataConstraints) -> [[f64; COLUMNS]; GEOMETRY] {
 }
 
 /// The fused loop over fine nodes: E = geometry · mismatch − training, then W = W⁰ − E P, all in registers.
+///
+/// Inlined into a function compiled for the widest vectors of the machine it runs on.
 struct Kernel<'a> {
     geometry: &'a [[f64; GEOMETRY]],
     mismatch: &'a [[f64; COLUMNS]; GEOMETRY],
     inverse: &'a [[f64; COLUMNS]; FIELDS],
+    base: &'a [f64],
+    training: &'a [f64],
+    functions: &'a mut [f64],
 }
 
-impl Kernel<'_> {
+impl pulp::NullaryFnOnce for Kernel<'_> {
+    type Output = ();
+
     #[inline(always)]
-    fn run(&self, base: &[f64], training: &[f64], functions: &mut [f64]) {
-        let nodes = base
+    fn call(self) {
+        let nodes = self
+            .base
             .as_chunks::<{ 3 * COLUMNS }>()
             .0
             .iter()
-            .zip(training.as_chunks::<NODE_COLUMNS>().0)
-            .zip(functions.as_chunks_mut::<{ 3 * COLUMNS }>().0)
+            .zip(self.training.as_chunks::<NODE_COLUMNS>().0)
+            .zip(self.functions.as_chunks_mut::<{ 3 * COLUMNS }>().0)
             .zip(self.geometry);
         for (((base, training), functions), geometry) in nodes {
             let mut error = [0.0; COLUMNS];
-            error[..NODE_COLUMNS].copy_from_slice(training);
-            error.iter_mut().for_each(|e| *e = -*e);
-            for (g, row) in geometry.iter().zip(self.mismatch) {
-                (0..COLUMNS).for_each(|c| error[c] = g.mul_add(row[c], error[c]));
+            for c in 0..NODE_COLUMNS {
+                error[c] = -training[c];
+            }
+            for g in 0..GEOMETRY {
+                add_scaled(&mut error, geometry[g], &self.mismatch[g]);
             }
             for r in 0..3 {
                 let mut sum = [0.0; COLUMNS];
                 sum.copy_from_slice(&base[COLUMNS * r..COLUMNS * (r + 1)]);
-                for (k, row) in self.inverse.iter().enumerate() {
-                    let e = -error[r * FIELDS + k];
-                    (0..COLUMNS).for_each(|c| sum[c] = e.mul_add(row[c], sum[c]));
+                for k in 0..FIELDS {
+                    add_scaled(&mut sum, -error[r * FIELDS + k], &self.inverse[k]);
                 }
                 functions[COLUMNS * r..COLUMNS * (r + 1)].copy_from_slice(&sum);
             }
         }
+    }
+}
+
+#[inline(always)]
+fn add_scaled(sum: &mut [f64; COLUMNS], factor: f64, row: &[f64; COLUMNS]) {
+    for c in 0..COLUMNS {
+        sum[c] = factor.mul_add(row[c], sum[c]);
     }
 }

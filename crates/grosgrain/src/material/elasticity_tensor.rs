@@ -66,7 +66,7 @@ impl ElasticityTensor {
         }
     }
 
-    pub(super) const fn from_voigt_unchecked(voigt: [[f64; 6]; 6]) -> Self {
+    pub(crate) const fn from_voigt_unchecked(voigt: [[f64; 6]; 6]) -> Self {
         Self { voigt }
     }
 

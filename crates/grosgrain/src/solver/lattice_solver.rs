@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::{AnalysedLattice, DirectSolver, SolverError, Support};
 use crate::assembly::{CellStiffness, LatticePattern, active_nodes};
+use crate::progress::Progress;
 
 /// How to solve a lattice system.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -69,7 +70,7 @@ impl LatticeSolver {
     ///
     /// # Errors
     /// When a relative residual of 1e-8 is not reached.
-    pub fn solve_in_place(&mut self, block: &mut [f64]) -> Result<SolveReport, SolverError> {
+    pub fn solve_in_place(&mut self, block: &mut [f64], progress: Progress<'_>) -> Result<SolveReport, SolverError> {
         let relative_residual = self.direct.solve_in_place(block);
         let unknowns = self.direct.analysed().pattern().order();
         if !(relative_residual <= super::TOLERANCE) {

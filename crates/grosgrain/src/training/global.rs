@@ -32,7 +32,7 @@ impl HarmonicDisplacements {
         constant_stress_loads(lattice, spacing, &hull(void, &lattice), &mut displacements);
         let support = free_support(lattice, spacing, void, model.active());
         let report = LatticeSolver::new(model, &support, choice, HARMONIC_FIELDS)
-            .and_then(|mut solver| solver.solve_in_place(&mut displacements))
+            .and_then(|mut solver| solver.solve_in_place(&mut displacements, progress))
             .map_err(TrainingError::Global)?;
         for column in displacements.chunks_exact_mut(3 * lattice.node_count()) {
             remove_rigid_motion(lattice, spacing, model.active(), column);
