@@ -245,9 +245,9 @@ mod tests {
         fn layers_along_111_alternate_with_the_sum_of_the_indices(cells in [1..9usize, 1..9, 1..9], t in 1..6usize) {
             let lattice = Lattice::new(cells);
             let found = layered(cells, [1.0; 3], 2.0 * t as f64);
-            for c in 0..lattice.cell_count() {
+            for (c, label) in found.iter().enumerate() {
                 let sum: usize = lattice.cell_position(Cell(c)).iter().sum();
-                prop_assert_eq!(found[c], (sum / t % 2) as i32);
+                prop_assert_eq!(*label, (sum / t % 2) as i32);
             }
         }
     }

@@ -8,7 +8,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::exact_rank::{RowSpan, negate};
-use super::{Cell, Components, Neighbourhood, Node, VoxelGrid};
+use super::{Components, Neighbourhood, Node, VoxelGrid};
 
 /// What a part that can still move is held by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

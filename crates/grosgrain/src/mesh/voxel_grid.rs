@@ -149,7 +149,8 @@ impl VoxelGrid {
     fn validate_field(&self, field: &'static str, values: Option<&[f64]>) -> Result<(), VoxelGridError> {
         let Some(values) = values else { return Ok(()) };
         check_length(field, values.len(), self.lattice.cell_count())?;
-        let bad = (0..values.len()).find(|&c| !self.void[c] && !(values[c].is_finite() && values[c] > 0.0));
+        let usable = |value: f64| value.is_finite() && value > 0.0;
+        let bad = (0..values.len()).find(|&c| !self.void[c] && !usable(values[c]));
         match bad {
             None => Ok(()),
             Some(c) => Err(VoxelGridError::Value { field, at: self.lattice.cell_position(Cell(c)), value: values[c] }),
