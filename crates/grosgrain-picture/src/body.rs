@@ -4,7 +4,6 @@ use crate::{
     Colouring, Image, Panel,
     camera::{Camera, Vec3},
     colour::{Rgb, SrgbTable, category_colour, to_linear},
-    image::Rect,
     occlusion::{Relief, sky_seen},
     raster::{Corner, Pen, Raster},
     surface::{self, EdgeKind, Normals},
@@ -28,17 +27,17 @@ pub(crate) struct Placement<'a> {
     pub(crate) stroke: f64,
 }
 
-/// The pixels of a view; `None` would be the page, so uncovered pixels carry `paper`.
+/// The pixels of a view, from its upper left corner.
 pub(crate) struct View {
     size: [usize; 2],
     pixels: Vec<Rgb>,
 }
 
 impl View {
-    /// Copies the view into a picture with its upper left corner at the rectangle's.
-    pub(crate) fn paste(&self, image: &mut Image, rect: Rect) {
+    /// Copies the view into a picture with its upper left corner at `[x, y]`.
+    pub(crate) fn paste(&self, image: &mut Image, [x, y]: [usize; 2]) {
         for (at, colour) in self.pixels.iter().enumerate() {
-            image.set(rect.x as usize + at % self.size[0], rect.y as usize + at / self.size[0], *colour);
+            image.set(x + at % self.size[0], y + at / self.size[0], *colour);
         }
     }
 }
@@ -127,7 +126,9 @@ fn draw_quads(
         let large = (a.x - c.x).abs().max((a.y - c.y).abs()) > 6.0 * SAMPLES as f64;
         if large {
             let centre = Corner::mean(&corners);
-            [[a, b], [b, c], [c, d], [d, a]].map(|[p, q]| raster.triangle(quad as u32, [p, q, centre]));
+            for [p, q] in [[a, b], [b, c], [c, d], [d, a]] {
+                raster.triangle(quad as u32, [p, q, centre]);
+            }
         } else {
             raster.triangle(quad as u32, [a, b, c]);
             raster.triangle(quad as u32, [a, c, d]);
@@ -148,8 +149,8 @@ fn draw_edges(panel: &Panel, placement: &Placement, normals: &Normals, projected
     let room = ((mean / placement.stroke - 5.0) / 9.0).clamp(0.0, 1.0);
     for edge in &edges {
         let (width, opacity) = match edge.kind {
-            EdgeKind::Boundary => (1.0, 0.35 + 0.25 * room),
-            EdgeKind::Silhouette => (1.1, 0.55),
+            EdgeKind::Boundary => (1.0, 0.22 + 0.38 * room),
+            EdgeKind::Silhouette => (1.1, 0.30 + 0.25 * room),
             EdgeKind::Crease => (0.9, 0.40 * room),
             EdgeKind::Cell => (0.8, 0.20 * room),
         };
@@ -180,28 +181,32 @@ fn occlusion(placement: &Placement, normals: &Normals, raster: &Raster) -> Vec<f
     sky_seen(&Relief { width, height, closeness, normal }, radius)
 }
 
+/// Averages the samples of every pixel in linear light.
 fn resolve(placement: &Placement, raster: &Raster, sky: &[f32], palette: &Palette, paper: Rgb) -> Vec<Rgb> {
     let table = SrgbTable::new();
     let [ink, ghost, empty] = [INK, GHOST, paper].map(to_linear);
     let width = placement.size[0];
-    let pixel = |at: usize| {
-        let mut sum = [0.0; 3];
-        for sample in 0..SAMPLES * SAMPLES {
-            let row = at / width * SAMPLES + sample / SAMPLES;
-            let i = row * raster.width + at % width * SAMPLES + sample % SAMPLES;
-            let mut colour = empty;
-            if raster.closeness[i] != f32::NEG_INFINITY {
-                let [tone, light] = raster.tone[i];
-                let light = f32::from(light) / 65535.0 * (0.25 + 0.75 * sky[at]);
-                colour = palette.colour(tone).map(|c| c * light);
-            }
-            for (layer, over) in [ghost, ink].into_iter().enumerate() {
-                let alpha = f32::from(raster.ink[i][layer]) / 255.0;
-                colour = std::array::from_fn(|c| colour[c] + alpha * (over[c] - colour[c]));
-            }
-            sum = std::array::from_fn(|c| sum[c] + colour[c]);
+    let colour = |i: usize, sky: f32| {
+        if raster.closeness[i] == f32::NEG_INFINITY {
+            return inked(inked(empty, ghost, raster.ink[i][0]), ink, raster.ink[i][1]);
         }
+        let [tone, light] = raster.tone[i];
+        let light = f32::from(light) / 65535.0 * (0.25 + 0.75 * sky);
+        inked(palette.colour(tone).map(|c| c * light), ink, raster.ink[i][1])
+    };
+    let blank = |i: usize| raster.closeness[i] == f32::NEG_INFINITY && raster.ink[i] == [0; 2];
+    let pixel = |at: usize| {
+        let corner = at / width * SAMPLES * raster.width + at % width * SAMPLES;
+        let samples = || (0..SAMPLES * SAMPLES).map(|s| corner + s / SAMPLES * raster.width + s % SAMPLES);
+        if samples().all(blank) {
+            return paper;
+        }
+        let sum = samples().map(|i| colour(i, sky[at])).fold([0.0; 3], |a, b| std::array::from_fn(|c| a[c] + b[c]));
         table.encode(sum.map(|c| c / (SAMPLES * SAMPLES) as f32))
     };
     (0..sky.len()).map(pixel).collect()
+}
+
+fn inked(under: [f32; 3], ink: [f32; 3], opacity: u8) -> [f32; 3] {
+    std::array::from_fn(|c| under[c] + f32::from(opacity) / 255.0 * (ink[c] - under[c]))
 }

@@ -99,7 +99,7 @@ impl Chart {
         let u = theme.unit;
         let (width, height) = (image.width() as f32, image.height() as f32);
         let style = theme.title();
-        theme.face.draw(image, [40.0 * u, 66.0 * u], &theme.face.cut(&self.title, style, width - 80.0 * u), style);
+        theme.face.draw(image, [34.0 * u, 66.0 * u], &theme.face.cut(&self.title, style, width - 68.0 * u), style);
         let top = if self.title.is_empty() { 32.0 } else { 92.0 } * u;
         let card = Rect { x: 32.0 * u, y: top, width: width - 64.0 * u, height: height - top - 32.0 * u };
         image.fill(card, 14.0 * u, |_, _| PAPER);
@@ -108,12 +108,12 @@ impl Chart {
         let left = card.x + 44.0 * u + widest;
         let plot = Rect {
             x: left,
-            y: legend + 56.0 * u,
+            y: legend + 74.0 * u,
             width: card.x + card.width - 48.0 * u - left,
-            height: card.y + card.height - 100.0 * u - (legend + 56.0 * u),
+            height: card.y + card.height - 100.0 * u - (legend + 74.0 * u),
         };
         let label = y.ticks.with_exponent(&self.y.label);
-        theme.face.draw(image, [card.x + 28.0 * u, legend + 30.0 * u], &label, theme.label());
+        theme.face.draw(image, [card.x + 28.0 * u, legend + 52.0 * u], &label, theme.label());
         let below = [plot.x + 0.5 * plot.width, plot.y + plot.height + 76.0 * u];
         theme.face.draw_centred(image, below, &x.ticks.with_exponent(&self.x.label), theme.label());
         draw_grid(theme, image, [x, y], plot);
@@ -208,7 +208,7 @@ impl Scale {
     }
 }
 
-/// Powers of ten, or nice numbers where fewer than two of those lie in the range.
+/// Powers of ten and their multiples, or nice numbers where fewer than two of those lie in the range.
 fn logarithmic_ticks(low: f64, high: f64) -> Ticks {
     let ticks = Ticks::logarithmic(low, high, 7);
     if ticks.values.len() >= 2 { ticks } else { Ticks::linear(low, high, 6) }

@@ -9,7 +9,7 @@ pub enum ColourMap {
     /// Dark violet over green to yellow.
     #[default]
     Viridis,
-    /// Black over violet and orange to cream.
+    /// Deep violet over red and orange to cream; the darkest sixth is left out, since lines would drown in it.
     Magma,
     /// Dark blue over grey to yellow; the same to colour-blind eyes.
     Cividis,
@@ -19,7 +19,8 @@ impl ColourMap {
     /// The colour at `t`, interpolated in the map's 256 entries; `t` is clamped to [0, 1].
     pub fn at(self, t: f64) -> Rgb {
         let table = self.table();
-        let x = t.clamp(0.0, 1.0) * 255.0;
+        let start = if self == Self::Magma { 42.0 } else { 0.0 };
+        let x = start + t.clamp(0.0, 1.0) * (255.0 - start);
         let i = (x as usize).min(254);
         let f = x - i as f64;
         std::array::from_fn(|c| {
@@ -90,7 +91,8 @@ mod tests {
     fn maps_start_and_end_with_their_published_colours() {
         assert_eq!(ColourMap::Viridis.at(0.0), [68, 1, 84]);
         assert_eq!(ColourMap::Viridis.at(1.0), [253, 231, 37]);
-        assert_eq!(ColourMap::Magma.at(-3.0), [0, 0, 4]);
+        assert_eq!(ColourMap::Magma.at(1.0), [252, 253, 191]);
+        assert_eq!(ColourMap::Magma.at(-3.0), ColourMap::Magma.at(0.0));
         assert_eq!(ColourMap::Cividis.at(7.0), ColourMap::Cividis.at(1.0));
     }
 

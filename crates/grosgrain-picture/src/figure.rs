@@ -44,7 +44,7 @@ pub struct Panel {
     pub colouring: Colouring,
     /// Lines on the surface, such as coarse cell edges; hidden where the surface hides them.
     pub grid: Lines,
-    /// Faint lines, such as the outline of the undeformed body; hidden likewise.
+    /// Faint lines, such as the outline of the undeformed body; drawn on the background only.
     pub ghost: Lines,
 }
 

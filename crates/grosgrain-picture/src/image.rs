@@ -20,6 +20,13 @@ pub(crate) struct Rect {
     pub(crate) height: f32,
 }
 
+impl Rect {
+    /// The rectangle without a border of `by` pixels.
+    pub(crate) fn inset(self, by: f32) -> Self {
+        Self { x: self.x + by, y: self.y + by, width: self.width - 2.0 * by, height: self.height - 2.0 * by }
+    }
+}
+
 impl Image {
     /// A picture of one colour.
     pub(crate) fn new(width: usize, height: usize, colour: Rgb) -> Self {
@@ -77,6 +84,7 @@ impl Image {
     /// Fills a rectangle with rounded corners, anti-aliased; the colour may depend on the pixel.
     pub(crate) fn fill(&mut self, rect: Rect, radius: f32, colour: impl Fn(f32, f32) -> Rgb) {
         let (cx, cy) = (rect.x + 0.5 * rect.width, rect.y + 0.5 * rect.height);
+        let radius = radius.min(0.5 * rect.width).min(0.5 * rect.height);
         for y in rect.y.floor() as i64..(rect.y + rect.height).ceil() as i64 {
             for x in rect.x.floor() as i64..(rect.x + rect.width).ceil() as i64 {
                 let (px, py) = (x as f32 + 0.5, y as f32 + 0.5);

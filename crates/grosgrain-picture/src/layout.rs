@@ -2,13 +2,14 @@
 
 use crate::{
     Figure, Image, Panel, PictureError,
-    body::{self, Placement},
+    body::{self, Placement, View},
     camera::Camera,
     image::Rect,
     key,
     text::Style,
     theme::{PAGE, PAPER, RULE, Theme},
 };
+use rayon::prelude::*;
 
 /// Height of a line of text in em.
 const LEADING: f32 = 1.32;
@@ -118,8 +119,9 @@ impl<'a> Layout<'a> {
             self.theme.face.draw(image, [self.margin, y + 0.95 * self.theme.title().size], line, self.theme.title());
             y += LEADING * self.theme.title().size;
         }
-        for (at, panel) in figure.panels.iter().enumerate() {
-            self.draw_panel(panel, at, camera, image);
+        let views: Vec<View> = figure.panels.par_iter().map(|panel| self.view(panel, camera)).collect();
+        for (at, (panel, view)) in figure.panels.iter().zip(&views).enumerate() {
+            self.draw_panel(panel, at, view, image);
         }
         let style = self.theme.small();
         let mut y = self.rows.last().map_or(0.0, |row| row.top + row.card + self.gap);
@@ -129,28 +131,30 @@ impl<'a> Layout<'a> {
         }
     }
 
-    fn draw_panel(&self, panel: &Panel, at: usize, camera: &Camera, image: &mut Image) {
+    /// Draws a panel's body; bodies are independent of each other.
+    fn view(&self, panel: &Panel, camera: &Camera) -> View {
+        let stroke = f64::from(self.theme.unit).max(0.6);
+        let placement = Placement { camera, scale: self.scale, size: self.view, range: key::range(panel), stroke };
+        body::draw(panel, &placement, PAPER)
+    }
+
+    fn draw_panel(&self, panel: &Panel, at: usize, view: &View, image: &mut Image) {
         let u = self.theme.unit;
         let row = &self.rows[at / self.columns];
         let x = (self.margin + (self.card + self.gap) * (at % self.columns) as f32).round();
         let card = Rect { x, y: row.top, width: self.card, height: row.card };
         image.fill(card, 14.0 * u, |_, _| RULE);
-        let edge = (1.25 * u).max(1.0);
-        let paper = Rect { x: x + edge, y: row.top + edge, width: card.width - 2.0 * edge, height: card.height - 2.0 * edge };
-        image.fill(paper, 13.0 * u, |_, _| PAPER);
+        image.fill(card.inset((1.25 * u).max(1.0)), 13.0 * u, |_, _| PAPER);
         let left = (x + 0.5 * (self.card - self.inner)).round();
         let mut y = row.top + 24.0 * u;
         for (line, style, height) in self.heading(panel) {
             self.theme.face.draw(image, [left, y + 0.95 * style.size], &line, style);
             y += height;
         }
-        let range = key::range(panel);
-        let placement = Placement { camera, scale: self.scale, size: self.view, range, stroke: f64::from(u).max(0.6) };
-        let top = (row.top + 24.0 * u + row.heading).round();
-        let view = Rect { x: left, y: top, width: self.view[0] as f32, height: self.view[1] as f32 };
-        body::draw(panel, &placement, PAPER).paste(image, view);
-        let key_top = row.top + row.card - 22.0 * u - row.key;
-        key::draw(panel, self.theme, image, Rect { x: left, y: key_top, width: self.inner, height: row.key });
+        view.paste(image, [left as usize, (row.top + 24.0 * u + row.heading).round() as usize]);
+        let key = key::height(panel, self.theme, self.inner);
+        let key_top = row.top + row.card - 22.0 * u - 0.5 * (row.key + key);
+        key::draw(panel, self.theme, image, Rect { x: left, y: key_top, width: self.inner, height: key });
     }
 }
 

@@ -127,10 +127,10 @@ pub(crate) fn edges(surface: &QuadSurface, normals: &Normals, category: impl Fn(
 
 /// Light on a surface with the unit normal `n` (right, up, to the eye): a sky, a lamp at the upper left, a weak one at the right.
 pub(crate) fn light(n: Vec3) -> f64 {
-    const LAMP: Vec3 = [-0.38, 0.72, 0.58];
+    const LAMP: Vec3 = [-0.45, 0.60, 0.66];
     const FILL: Vec3 = [0.85, 0.05, 0.52];
     let lambert = |lamp: Vec3| (dot(n, lamp) / norm(lamp)).max(0.0);
-    (0.40 + 0.52 * lambert(LAMP) + 0.20 * lambert(FILL)).min(1.0)
+    (0.50 + 0.50 * lambert(LAMP) + 0.22 * lambert(FILL)).min(1.0)
 }
 
 #[cfg(test)]

@@ -28,8 +28,12 @@ impl Ticks {
         Self { values, labels, exponent }
     }
 
-    /// Powers of ten within `[low, high]`, both positive; every n-th where there are more than `most`.
+    /// Powers of ten within `[low, high]`, both positive; every n-th where there are more than `most`,
+    /// with 2 and 5 times a power between where there are few.
     pub fn logarithmic(low: f64, high: f64, most: usize) -> Self {
+        if (high / low).log10() < 0.4 * most as f64 {
+            return Self::one_two_five(low, high);
+        }
         let (first, last) = ((low.log10() - 1e-9).ceil() as i32, (high.log10() + 1e-9).floor() as i32);
         let every = ((last - first + 1).max(1) as usize).div_ceil(most.max(1));
         let powers: Vec<i32> = (first..=last).step_by(every).collect();
@@ -38,6 +42,20 @@ impl Ticks {
             labels: powers.iter().map(|p| power_label(*p)).collect(),
             exponent: 0,
         }
+    }
+
+    fn one_two_five(low: f64, high: f64) -> Self {
+        let powers = (low.log10() - 1.0).floor() as i32..=high.log10().ceil() as i32;
+        let multiples = powers.flat_map(|p| [(1, p), (2, p), (5, p)]);
+        let value = |&(m, p): &(i32, i32)| f64::from(m) * 10f64.powi(p);
+        let inside = |mp: &(i32, i32)| (low * (1.0 - 1e-9)..=high * (1.0 + 1e-9)).contains(&value(mp));
+        let kept: Vec<(i32, i32)> = multiples.filter(inside).collect();
+        let label = |&(m, p): &(i32, i32)| match (m, p) {
+            (1, p) => power_label(p),
+            (m, -2..=4) => fixed(value(&(m, p)), p.min(0).unsigned_abs() as usize),
+            (m, p) => format!("{m}·10{}", superscript(p)),
+        };
+        Self { values: kept.iter().map(value).collect(), labels: kept.iter().map(label).collect(), exponent: 0 }
     }
 
     /// `text` with the shared power of ten: `u [10⁻³ m]` for `u [m]`, `error · 10⁻³` where there is no unit.
@@ -152,6 +170,7 @@ mod tests {
     #[test]
     fn logarithmic_ticks_are_powers_of_ten() {
         assert_eq!(Ticks::logarithmic(0.005, 120.0, 8).labels, ["0.01", "0.1", "1", "10", "100"]);
+        assert_eq!(Ticks::logarithmic(0.04, 3.0, 7).labels, ["0.05", "0.1", "0.2", "0.5", "1", "2"]);
         assert_eq!(Ticks::logarithmic(1e-8, 1e8, 5).labels, ["10⁻⁸", "10⁻⁴", "1", "10000", "10⁸"]);
     }
 
