@@ -22,3 +22,4 @@ pub mod training;
 pub mod coarsening;
 pub mod coarse;
 pub mod dynamics;
+pub mod io;

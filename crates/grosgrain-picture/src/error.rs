@@ -1,0 +1,100 @@
+//! Why a picture cannot be drawn.
+
+/// Why a picture cannot be drawn or written.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum PictureError {
+    /// The figure has no panels.
+    #[error("the figure has no panels; add at least one")]
+    NoPanels,
+    /// A panel's surface has no quads.
+    #[error("panel {panel} (\"{caption}\") has no surface: 0 quads; leave the panel out or give it a body")]
+    EmptySurface {
+        /// Position of the panel in the figure.
+        panel: usize,
+        /// The panel's caption.
+        caption: String,
+    },
+    /// A position or a value is NaN or infinite.
+    #[error("panel {panel}: {what} {index} is {value}; only finite numbers can be drawn, check the solve that made it")]
+    NotFinite {
+        /// Position of the panel in the figure.
+        panel: usize,
+        /// What the number belongs to.
+        what: &'static str,
+        /// Index of the item.
+        index: usize,
+        /// The offending number.
+        value: f64,
+    },
+    /// A quad names a vertex or a category that does not exist.
+    #[error("panel {panel}: quad {quad} names {what} {index}, but there are only {count}")]
+    Index {
+        /// Position of the panel in the figure.
+        panel: usize,
+        /// Index of the quad.
+        quad: usize,
+        /// What is named.
+        what: &'static str,
+        /// The index named.
+        index: u32,
+        /// How many there are.
+        count: usize,
+    },
+    /// A list has the wrong length.
+    #[error("panel {panel}: {found} {what} for {expected} {per}; one each is needed")]
+    Length {
+        /// Position of the panel in the figure.
+        panel: usize,
+        /// What the list holds.
+        what: &'static str,
+        /// How many it holds.
+        found: usize,
+        /// How many it must hold.
+        expected: usize,
+        /// What one entry belongs to.
+        per: &'static str,
+    },
+    /// A colour range is empty or not finite.
+    #[error("panel {panel}: the colour range {low} to {high} is empty; give a lower and a larger upper end")]
+    Range {
+        /// Position of the panel in the figure.
+        panel: usize,
+        /// Lower end.
+        low: f64,
+        /// Upper end.
+        high: f64,
+    },
+    /// The picture's width is out of bounds.
+    #[error("a picture {0} pixels wide cannot be drawn; choose 400 to 8000 pixels")]
+    Width(usize),
+    /// The view has no direction.
+    #[error("the view direction {toward:?} with up {up:?} is not a view; both must be finite, nonzero and not parallel")]
+    View {
+        /// From the eye to the body.
+        toward: [f64; 3],
+        /// The upward direction.
+        up: [f64; 3],
+    },
+    /// A chart has nothing to draw.
+    #[error("the chart \"{0}\" has no points")]
+    EmptyChart(String),
+    /// A point cannot be placed on its axes.
+    #[error("series \"{series}\", point {index} ({x}, {y}): coordinates must be finite, and positive on a logarithmic axis")]
+    ChartPoint {
+        /// Name of the series.
+        series: String,
+        /// Index of the point.
+        index: usize,
+        /// Its abscissa.
+        x: f64,
+        /// Its ordinate.
+        y: f64,
+    },
+    /// The embedded typeface cannot be read.
+    #[error("the embedded typeface cannot be read: {0}")]
+    Font(#[from] ab_glyph::InvalidFont),
+    /// The PNG could not be written.
+    #[error("the PNG could not be written: {0}")]
+    Png(#[from] png::EncodingError),
+}

@@ -1,0 +1,191 @@
+//! What a figure shows: panels with a surface, its colours and lines.
+
+use crate::{
+    PictureError, View,
+    colour::{ColourMap, Rgb},
+};
+
+/// A line list: pairs of end points.
+pub type Lines = Vec<[[f64; 3]; 2]>;
+
+/// A picture of one or more bodies, all seen by the same camera at the same scale.
+#[derive(Clone, Debug)]
+pub struct Figure {
+    /// Heading; empty for none.
+    pub title: String,
+    /// The panels, in reading order.
+    pub panels: Vec<Panel>,
+    /// Small lines under the panels.
+    pub footer: Vec<String>,
+    /// The view; `None` chooses a three-quarter view from the bodies' extent, z up.
+    pub view: Option<View>,
+    /// Width in pixels, 400 to 8000; the height follows.
+    pub width: usize,
+    /// Panels per row; `None` puts up to three in a row.
+    pub columns: Option<usize>,
+}
+
+impl Default for Figure {
+    fn default() -> Self {
+        Self { title: String::new(), panels: Vec::new(), footer: Vec::new(), view: None, width: 1800, columns: None }
+    }
+}
+
+/// One body with its caption and its key.
+#[derive(Clone, Debug, Default)]
+pub struct Panel {
+    /// Heading of the panel.
+    pub caption: String,
+    /// A second, lighter line under the caption; empty for none.
+    pub detail: String,
+    /// The body's surface.
+    pub surface: QuadSurface,
+    /// How the surface is coloured.
+    pub colouring: Colouring,
+    /// Lines on the surface, such as coarse cell edges; hidden where the surface hides them.
+    pub grid: Lines,
+    /// Faint lines, such as the outline of the undeformed body; drawn on the background only.
+    pub ghost: Lines,
+}
+
+/// A surface of quadrilaterals, corners in order around each.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct QuadSurface {
+    /// Deformed positions, any unit.
+    pub positions: Vec<[f64; 3]>,
+    /// Four vertices each; either orientation is drawn.
+    pub quads: Vec<[u32; 4]>,
+}
+
+/// How a surface is coloured.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Colouring {
+    /// One colour, no key.
+    Plain(Rgb),
+    /// A colour per category, with a legend.
+    Category {
+        /// Category of each quad, an index into `legend`.
+        of_quad: Vec<u32>,
+        /// The categories.
+        legend: Vec<Category>,
+    },
+    /// A colour by value, with a colour bar.
+    Scalar {
+        /// Value at each vertex.
+        at_vertex: Vec<f64>,
+        /// What the values mean and how they become colours.
+        scale: ColourScale,
+    },
+}
+
+impl Default for Colouring {
+    fn default() -> Self {
+        Self::Plain([0xc9, 0xcf, 0xd8])
+    }
+}
+
+/// A category of quads, such as a material.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Category {
+    /// Name in the legend.
+    pub name: String,
+    /// Colour; `None` takes the palette's.
+    pub colour: Option<Rgb>,
+}
+
+impl Category {
+    /// A category in the palette's colour.
+    pub fn named(name: impl Into<String>) -> Self {
+        Self { name: name.into(), colour: None }
+    }
+}
+
+/// What values mean and how they become colours.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ColourScale {
+    /// Name with the unit in brackets: `|u| [m]`, `error [% of max |u|]`.
+    pub label: String,
+    /// The colour map.
+    pub map: ColourMap,
+    /// Runs the colour map backwards: the lowest value takes its last colour.
+    pub reversed: bool,
+    /// Values at the ends of the bar; `None` takes the panel's own, widened to nice numbers and to zero when near.
+    pub range: Option<[f64; 2]>,
+}
+
+impl Figure {
+    pub(crate) fn validate(&self) -> Result<(), PictureError> {
+        if !(400..=8000).contains(&self.width) {
+            return Err(PictureError::Width(self.width));
+        }
+        if self.panels.is_empty() {
+            return Err(PictureError::NoPanels);
+        }
+        self.panels.iter().enumerate().try_for_each(|(at, panel)| panel.validate(at))
+    }
+}
+
+impl Panel {
+    fn validate(&self, at: usize) -> Result<(), PictureError> {
+        let surface = &self.surface;
+        if surface.quads.is_empty() {
+            return Err(PictureError::EmptySurface { panel: at, caption: self.caption.clone() });
+        }
+        finite(at, "a coordinate of vertex", &surface.positions, |p| p)?;
+        finite(at, "a coordinate of grid line", &self.grid, |line| line.as_flattened())?;
+        finite(at, "a coordinate of ghost line", &self.ghost, |line| line.as_flattened())?;
+        let count = surface.positions.len();
+        for (quad, corners) in surface.quads.iter().enumerate() {
+            if let Some(&index) = corners.iter().find(|v| **v as usize >= count) {
+                return Err(PictureError::Index { panel: at, quad, what: "vertex", index, count });
+            }
+        }
+        self.validate_colouring(at)
+    }
+
+    fn validate_colouring(&self, at: usize) -> Result<(), PictureError> {
+        match &self.colouring {
+            Colouring::Plain(_) => Ok(()),
+            Colouring::Category { of_quad, legend } => {
+                length(at, "categories", of_quad.len(), (self.surface.quads.len(), "quads"))?;
+                let count = legend.len();
+                match of_quad.iter().enumerate().find(|(_, c)| **c as usize >= count) {
+                    None => Ok(()),
+                    Some((quad, &index)) => Err(PictureError::Index { panel: at, quad, what: "category", index, count }),
+                }
+            }
+            Colouring::Scalar { at_vertex, scale } => {
+                length(at, "values", at_vertex.len(), (self.surface.positions.len(), "vertices"))?;
+                finite(at, "the value at vertex", at_vertex, std::slice::from_ref)?;
+                match scale.range {
+                    Some([low, high]) if !(low < high && (high - low).is_finite()) => {
+                        Err(PictureError::Range { panel: at, low, high })
+                    }
+                    _ => Ok(()),
+                }
+            }
+        }
+    }
+}
+
+fn finite<T>(panel: usize, what: &'static str, items: &[T], numbers: fn(&T) -> &[f64]) -> Result<(), PictureError> {
+    for (index, item) in items.iter().enumerate() {
+        // Squares of coordinates are summed later: what overflows there is as unusable as an infinity.
+        if let Some(&value) = numbers(item).iter().find(|x| !(x.abs() < 1e150)) {
+            return Err(PictureError::NotFinite { panel, what, index, value });
+        }
+    }
+    Ok(())
+}
+
+fn length(
+    panel: usize,
+    what: &'static str,
+    found: usize,
+    (expected, per): (usize, &'static str),
+) -> Result<(), PictureError> {
+    match found == expected {
+        true => Ok(()),
+        false => Err(PictureError::Length { panel, what, found, expected, per }),
+    }
+}

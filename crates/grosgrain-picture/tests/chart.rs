@@ -1,0 +1,47 @@
+//! What a chart promises.
+
+use grosgrain_picture::{Axis, Chart, PictureError, Series};
+
+fn chart(points: Vec<[f64; 2]>, logarithmic: bool) -> Chart {
+    let axis = |label: &str| Axis { label: label.into(), logarithmic };
+    let series = vec![Series { name: "one-ring".into(), points }];
+    Chart { title: "Error".into(), x: axis("unknowns"), y: axis("error [%]"), series, width: 800 }
+}
+
+#[test]
+fn a_power_law_is_a_straight_line_on_logarithmic_axes() -> Result<(), PictureError> {
+    let image = chart((1..=30).map(|i| [f64::from(i), f64::from(i).powi(-2)]).collect(), true).render()?;
+    // Markers and lines are blue (0x44, 0x77, 0xaa); their mean height per column must be linear in the column.
+    let blue = |x: usize| {
+        let rows = (120..image.height()).filter(|y| image.pixel(x, *y) == Some([0x44, 0x77, 0xaa]));
+        let (sum, count) = rows.fold((0, 0), |(s, n), y| (s + y, n + 1));
+        (count > 0).then(|| sum as f64 / f64::from(count))
+    };
+    let heights: Vec<(usize, f64)> = (0..image.width()).filter_map(|x| Some((x, blue(x)?))).collect();
+    let (first, last) = (heights[20], heights[heights.len() - 21]);
+    for (x, y) in &heights[20..heights.len() - 20] {
+        let line = first.1 + (last.1 - first.1) * (x - first.0) as f64 / (last.0 - first.0) as f64;
+        // A marker has a radius of 3 pixels, which bounds the shift of a column's mean.
+        assert!((y - line).abs() < 4.0, "column {x}: {y} off the line {line}");
+    }
+    assert!(heights.len() > 500);
+    Ok(())
+}
+
+#[test]
+fn charts_of_one_point_or_a_constant_are_drawn() -> Result<(), PictureError> {
+    for points in [vec![[3.0, 2.0]], vec![[0.0, 0.0], [1.0, 0.0]], vec![[1e-9, -5e12], [2e-9, 5e12]]] {
+        assert_eq!(chart(points, false).render()?.width(), 800);
+    }
+    assert_eq!(chart(vec![[3.0, 2.0]], true).render()?.width(), 800);
+    assert_eq!(chart(vec![[1.0, 0.5]], true).render()?.width(), 800);
+    Ok(())
+}
+
+#[test]
+fn points_without_a_place_are_refused_with_a_sentence() {
+    let refusal = |points, log| chart(points, log).render().map_or_else(|e| e.to_string(), |_| "drawn".into());
+    assert!(refusal(vec![[1.0, 2.0], [2.0, 0.0]], true).starts_with("series \"one-ring\", point 1 (2, 0)"));
+    assert!(refusal(vec![[1.0, f64::NAN]], false).contains("point 0 (1, NaN)"));
+    assert_eq!(refusal(vec![], false), "the chart \"Error\" has no points");
+}
