@@ -1,0 +1,3 @@
+//! The command line of grosgrain: scenes, commands, progress, reports.
+
+pub mod scene;
