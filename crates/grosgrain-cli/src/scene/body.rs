@@ -2,9 +2,11 @@
 
 use std::path::PathBuf;
 
+use grosgrain::mesh::{DensityLaw, ModulusLaw};
+
 use super::document::{Item, Reading};
 use super::labels::{Labelling, read_labelling};
-use super::pattern::{Grid, Pattern, read_grid, read_pattern};
+use super::pattern::{Filling, Grid, read_grid, read_pattern};
 use super::section::Section;
 
 /// Where the voxels come from.
@@ -14,8 +16,8 @@ pub enum Source {
     Volume(PathBuf),
     /// A file of Young moduli [Pa]; zero is void, all else has label 0.
     Moduli(PathBuf),
-    /// A grid that a pattern fills.
-    Pattern(Grid, Pattern),
+    /// A grid that a pattern or a file fills.
+    Grid(Grid, Filling),
 }
 
 /// Where Young's modulus comes from for materials that give none.
@@ -24,22 +26,14 @@ pub enum VoxelModulus {
     /// A volume file of moduli [Pa].
     File(PathBuf),
     /// A law from the volume's values.
-    Law(PowerLaw),
-}
-
-/// E = coefficient · ρ^exponent with ρ = slope · value + intercept in g/cm³.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PowerLaw {
-    /// The modulus at ρ = 1 g/cm³ [Pa].
-    pub coefficient: f64,
-    /// The exponent of the density.
-    pub exponent: f64,
-    /// Density per unit of the volume's value [g/cm³].
-    pub slope: f64,
-    /// Density at value zero [g/cm³].
-    pub intercept: f64,
-    /// Poisson's ratio where no material gives one.
-    pub poisson: f64,
+    Law {
+        /// The law.
+        law: ModulusLaw,
+        /// Poisson's ratio where no material gives one.
+        poisson: f64,
+        /// Lower moduli are raised to this one [Pa].
+        floor: Option<f64>,
+    },
 }
 
 /// Which connected components of the body stay.
@@ -81,7 +75,8 @@ pub fn read_body(item: &Item) -> Reading<Body> {
         .optional("spacing", |spacing| spacing.array("three positive numbers in metres per voxel", Item::positive));
     let resample =
         section.optional("resample", |cells| cells.array("three integers of at least 1, the fine cells", Item::count));
-    let labelling = read_labelling(&section);
+    let is_modulus = matches!(source, Ok(Source::Moduli(_))) || section.has("modulus");
+    let labelling = read_labelling(&section, is_modulus);
     let modulus = read_modulus(&section);
     let keeps = [("all", Keep::All), ("largest", Keep::Largest), ("supported", Keep::Supported)];
     let keep = section.optional("keep", |keep| keep.choice(&keeps));
@@ -105,7 +100,7 @@ fn read_source(section: &Section) -> Reading<Source> {
         let grid = section.required("grid", "{ cells = [nx, ny, nz], size = [x, y, z] } for the pattern", read_grid);
         let pattern =
             section.required("pattern", "{ kind = \"layers\", .. } or another kind for the grid", read_pattern);
-        return Ok(Source::Pattern(grid?, pattern?));
+        return Ok(Source::Grid(grid?, pattern?));
     }
     match section.get("young") {
         Some(young) => young.existing_path().map(Source::Moduli),
@@ -122,26 +117,28 @@ fn read_modulus(section: &Section) -> Reading<Option<VoxelModulus>> {
     if let Some(young) = section.get("young") {
         return young.existing_path().map(|path| Some(VoxelModulus::File(path)));
     }
-    Ok(section.optional("modulus", read_law)?.map(VoxelModulus::Law))
+    section.optional("modulus", read_law)
 }
 
-fn read_law(item: &Item) -> Reading<PowerLaw> {
-    let section = item.section(&["law", "coefficient", "exponent", "density", "poisson"])?;
+fn read_law(item: &Item) -> Reading<VoxelModulus> {
+    let section = item.section(&["law", "coefficient", "exponent", "density", "poisson", "floor"])?;
     let law = section.required("law", "\"power\"", |law| law.choice(&[("power", ())]));
     let coefficient = section.required("coefficient", "a positive number of pascals", Item::positive);
-    let exponent = section.required("exponent", "a positive number", Item::positive);
-    let poisson = section.required("poisson", "a number between -1 and 0.5, both excluded", |nu| {
-        nu.number_where("a number between -1 and 0.5, both excluded", |v| v > -1.0 && v < 0.5)
-    });
-    let density = section.required("density", "{ slope = .., intercept = .. } in g/cm³", |density| {
-        let section = density.section(&["slope", "intercept"])?;
-        let slope = section.required("slope", "g/cm³ per unit of the volume's value", Item::positive);
-        let intercept = section.required("intercept", "g/cm³ at value zero", Item::number);
-        Ok((slope?, intercept?))
-    });
+    let exponent = section.required("exponent", "a number", Item::number);
+    let density = section.required("density", "{ slope = .., intercept = .. } in g/cm³", read_density);
+    let expected = "a number between -1 and 0.5, both excluded";
+    let poisson = section.required("poisson", expected, |nu| nu.number_where(expected, |v| v > -1.0 && v < 0.5));
+    let floor = section.optional("floor", Item::positive);
     law?;
-    let (slope, intercept) = density?;
-    Ok(PowerLaw { coefficient: coefficient?, exponent: exponent?, slope, intercept, poisson: poisson? })
+    let law = ModulusLaw::Power { coefficient: coefficient?, exponent: exponent?, density: density? };
+    Ok(VoxelModulus::Law { law, poisson: poisson?, floor: floor? })
+}
+
+fn read_density(item: &Item) -> Reading<DensityLaw> {
+    let section = item.section(&["slope", "intercept"])?;
+    let slope = section.required("slope", "g/cm³ per unit of the volume's value", Item::number);
+    let intercept = section.required("intercept", "g/cm³ at value zero", Item::number);
+    Ok(DensityLaw { slope: slope?, intercept: intercept? })
 }
 
 /// Rules and laws need the values of a volume.

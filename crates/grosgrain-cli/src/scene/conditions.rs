@@ -1,8 +1,10 @@
 //! What holds the body and what loads it: `[[fix]]` and `[[load]]`.
 
+use grosgrain::mesh::Selector;
+
 use super::document::{Item, Reading, read_all};
 use super::section::Section;
-use super::selector::Selector;
+use super::selector::read_selector;
 
 /// A part of the body that does not move.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,7 +39,7 @@ pub struct Load {
 pub fn read_fixes(item: &Item) -> Reading<Vec<Fix>> {
     read_all(&item.list("one table [[fix]] for each part that is held")?, |fix| {
         let section = fix.section(&["where", "move"])?;
-        let selection = section.required("where", "the selector of the part that is held", Selector::read);
+        let selection = section.required("where", "the selector of the part that is held", read_selector);
         section.optional("move", refuse_motion)?;
         Ok(Fix { selection: selection?, key: fix.key().into() })
     })
@@ -59,7 +61,7 @@ pub fn read_loads(item: &Item) -> Reading<Vec<Load>> {
 fn read_load(section: &Section) -> Reading<LoadKind> {
     section.exclusive(&["gravity", "traction", "force"], "write one [[load]] table for each")?;
     let expected = "the selector of the part that is loaded";
-    let selection = || section.required("where", expected, Selector::read);
+    let selection = || section.required("where", expected, read_selector);
     if let Some(gravity) = section.get("gravity") {
         section.exclusive(&["where", "gravity"], "gravity acts on the whole body")?;
         return gravity.vector().map(LoadKind::Gravity);

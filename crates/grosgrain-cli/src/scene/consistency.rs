@@ -2,14 +2,15 @@
 
 use std::collections::BTreeSet;
 
-use grosgrain::mesh::Label;
+use grosgrain::material::Elasticity;
+use grosgrain::mesh::{Label, Pattern};
 
-use super::body::{Source, VoxelModulus};
+use super::body::{Keep, Source, VoxelModulus};
 use super::conditions::LoadKind;
 use super::document::Reading;
 use super::labels::Labelling;
 use super::materials::{Constants, MaterialModel};
-use super::pattern::Pattern;
+use super::pattern::Filling;
 use super::section::{Section, enumeration};
 use super::{Problem, Scene, SceneError, SceneMaterial};
 
@@ -24,23 +25,25 @@ pub fn check(root: &Section, scene: &Scene) -> Reading<()> {
 fn solid_labels(scene: &Scene) -> Option<BTreeSet<Label>> {
     match (&scene.body.labelling, &scene.body.source) {
         (Labelling::Rules(rules), _) => Some(rules.iter().filter(|r| !r.void).map(|r| r.label).collect()),
-        (Labelling::Own { .. }, Source::Volume(_)) => None,
-        (Labelling::Own { .. }, Source::Moduli(_)) => Some([Label(0)].into()),
-        (Labelling::Own { void }, Source::Pattern(_, pattern)) => {
-            let labels = match pattern {
-                Pattern::Layers { labels, .. }
-                | Pattern::Checkerboard { labels, .. }
-                | Pattern::Random { labels, .. } => labels.as_slice(),
-                Pattern::Spheres { labels, .. } => labels.as_slice(),
-                Pattern::FromFile(_) => return None,
-            };
-            Some(labels.iter().copied().filter(|l| !void.contains(l)).collect())
+        (Labelling::One, _) => Some([Label(0)].into()),
+        (Labelling::Own { void }, Source::Grid(_, Filling::Pattern(pattern))) => {
+            Some(pattern_labels(pattern).iter().copied().filter(|l| !void.contains(l)).collect())
         }
+        _ => None,
+    }
+}
+
+fn pattern_labels(pattern: &Pattern) -> &[Label] {
+    match pattern {
+        Pattern::Layers { labels, .. } | Pattern::Checkerboard { labels, .. } | Pattern::Random { labels, .. } => {
+            labels
+        }
+        Pattern::Spheres { labels, .. } => labels,
     }
 }
 
 fn has_law(scene: &Scene) -> bool {
-    matches!(scene.body.modulus, Some(VoxelModulus::Law(_)))
+    matches!(scene.body.modulus, Some(VoxelModulus::Law { .. }))
 }
 
 fn refuse_missing_materials(root: &Section, scene: &Scene) -> Reading<()> {
@@ -61,45 +64,61 @@ fn refuse_missing_materials(root: &Section, scene: &Scene) -> Reading<()> {
     }
 }
 
+/// Gravity needs densities; so does a law that gives some voxels one, since then every voxel must have one.
 fn refuse_missing_density(root: &Section, scene: &Scene) -> Reading<()> {
     let gravity = scene.loads.iter().find(|load| matches!(load.kind, LoadKind::Gravity(_)));
-    let Some(gravity) = gravity else { return Ok(()) };
+    let reason = match gravity {
+        Some(gravity) => format!("{} is gravity", gravity.key),
+        None if has_law(scene) => "body.modulus gives other voxels a density".into(),
+        None => return Ok(()),
+    };
     let from_law = |m: &SceneMaterial| has_law(scene) && matches!(m.constants, Constants::YoungPerVoxel { .. });
-    let lacking: Vec<&SceneMaterial> = scene.materials.iter().filter(|m| m.density.is_none() && !from_law(m)).collect();
-    let notes = lacking.iter().map(|m| {
-        Err(root.note_at(
-            &["materials", &m.name],
-            format!(
-                "materials.{}.density is missing, but {} is gravity; expected the density in kg/m³",
-                m.name, gravity.key
-            ),
-        ))
-    });
-    notes.collect::<Vec<Reading<()>>>().into_iter().collect()
+    let refuse = |m: &SceneMaterial| {
+        let sentence = format!("materials.{}.density is missing, but {reason}; expected the density in kg/m³", m.name);
+        Err(root.note_at(&["materials", &m.name], sentence))
+    };
+    let lacking = scene.materials.iter().filter(|m| m.density.is_none() && !from_law(m));
+    lacking.map(refuse).collect::<Vec<_>>().into_iter().collect()
 }
 
 fn refuse_idle_keys(root: &Section, scene: &Scene) -> Reading<()> {
-    let per_voxel = |m: &SceneMaterial| matches!(m.constants, Constants::YoungPerVoxel { .. });
-    let needs_material =
-        matches!(scene.body.modulus, Some(VoxelModulus::File(_))) || matches!(scene.body.source, Source::Moduli(_));
-    let idle_young = needs_material && !scene.materials.is_empty() && !scene.materials.iter().any(per_voxel);
-    let young = match idle_young {
-        true => Err(root.note_at(
-            &["body", "young"],
-            "body.young is never used, because every material gives its own young; \
-             expected a material without young, or no body.young"
-                .into(),
-        )),
+    let refuse = |bad: bool, names: &[&str], sentence: &str| match bad {
+        true => Err(root.note_at(names, sentence.into())),
         false => Ok(()),
     };
-    let volume = match (scene.output.volume, &scene.body.source) {
-        (true, Source::Pattern(..)) => Err(root.note_at(
-            &["output", "volume"],
-            "output.volume is true, but the body comes from no volume; expected false, or body.volume".into(),
-        )),
-        _ => Ok(()),
+    let file = matches!(scene.body.modulus, Some(VoxelModulus::File(_)));
+    let per_voxel = |m: &SceneMaterial| matches!(m.constants, Constants::YoungPerVoxel { .. });
+    let from_file = file || matches!(scene.body.source, Source::Moduli(_));
+    let young = refuse(
+        from_file && !scene.materials.is_empty() && !scene.materials.iter().any(per_voxel),
+        &["body", "young"],
+        "body.young is never used, because every material gives its own constants; \
+         expected a material without young, or no body.young",
+    );
+    let volume = refuse(
+        scene.output.volume && matches!(scene.body.source, Source::Grid(..)),
+        &["output", "volume"],
+        "output.volume is true, but the body comes from no volume; expected false, or body.volume",
+    );
+    let keep = refuse(
+        scene.body.keep == Keep::Supported && scene.fixes.is_empty(),
+        &["body", "keep"],
+        "body.keep is \"supported\", but nothing is held; expected at least one table [[fix]]",
+    );
+    young.and(volume).and(keep).and(refuse_mixed_stiffness(root, scene))
+}
+
+/// A modulus per voxel scales an isotropic material only.
+fn refuse_mixed_stiffness(root: &Section, scene: &Scene) -> Reading<()> {
+    if scene.body.modulus.is_none() {
+        return Ok(());
+    }
+    let is_mixed = |m: &&SceneMaterial| matches!(m.constants, Constants::Given(Elasticity::Anisotropic(_)));
+    let refuse = |m: &SceneMaterial| {
+        let sentence = "is given in a body with a Young modulus per voxel; expected young and poisson";
+        Err(root.note_at(&["materials", &m.name, "stiffness"], format!("materials.{}.stiffness {sentence}", m.name)))
     };
-    young.and(volume)
+    scene.materials.iter().filter(is_mixed).map(refuse).collect::<Vec<_>>().into_iter().collect()
 }
 
 /// What the user should know although the scene is usable.

@@ -121,6 +121,12 @@ impl<'s> Item<'s> {
         value.filter(|v| allowed(*v)).ok_or_else(|| self.refuse(expected))
     }
 
+    /// An integer of 32 bits; `expected` says what it stands for.
+    pub fn integer_32(&self, expected: &str) -> Reading<i32> {
+        let value = self.integer_where(expected, |_| true)?;
+        i32::try_from(value).map_err(|_| self.refuse(expected))
+    }
+
     /// An integer of at least 1.
     pub fn count(&self) -> Reading<usize> {
         self.integer_where("an integer of at least 1", |v| v >= 1).map(|v| v as usize)

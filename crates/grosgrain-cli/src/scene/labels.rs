@@ -1,32 +1,10 @@
 //! How the values of a volume become labels.
 
-use grosgrain::mesh::Label;
+use grosgrain::mesh::{Label, LabelRule};
 
 use super::document::{Item, Reading, read_all};
 use super::section::Section;
 use super::selector::read_label;
-
-/// What a rule takes.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Taken {
-    /// Values below a threshold that no earlier rule took.
-    Below(f64),
-    /// These values exactly.
-    Values(Vec<f64>),
-    /// All that earlier rules left.
-    Rest,
-}
-
-/// One rule from values to a label; the first rule that takes a value decides.
-#[derive(Clone, Debug, PartialEq)]
-pub struct LabelRule {
-    /// The label of what the rule takes.
-    pub label: Label,
-    /// What it takes.
-    pub taken: Taken,
-    /// Whether it is void.
-    pub void: bool,
-}
 
 /// Where labels and voids come from.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,16 +16,30 @@ pub enum Labelling {
     },
     /// Rules on the values.
     Rules(Vec<LabelRule>),
+    /// Every voxel has label 0; the modulus tells what is void.
+    One,
 }
 
 /// Reads the keys `labels` and `void` of the body.
-pub fn read_labelling(body: &Section) -> Reading<Labelling> {
+///
+/// `from_modulus` says that the volume's values are no labels but moduli, or become moduli by a law.
+pub fn read_labelling(body: &Section, from_modulus: bool) -> Reading<Labelling> {
     body.exclusive(&["labels", "void"], "with labels, write void = true in the rules that are void")?;
     if let Some(labels) = body.get("labels") {
         return read_rules(&labels).map(Labelling::Rules);
     }
-    let void = body.optional("void", |void| read_all(&void.list("a list of at least one label")?, read_label))?;
-    Ok(Labelling::Own { void: void.unwrap_or_default() })
+    match body.get("void") {
+        Some(void) if from_modulus => {
+            let sentence = "lists labels, but the volume's values are no labels here; expected rules in body.labels";
+            Err(void.note(format!("{} {sentence}", void.key())))
+        }
+        Some(void) => {
+            let void = read_all(&void.list("a list of at least one label")?, read_label)?;
+            Ok(Labelling::Own { void })
+        }
+        None if from_modulus => Ok(Labelling::One),
+        None => Ok(Labelling::Own { void: Vec::new() }),
+    }
 }
 
 fn read_rules(item: &Item) -> Reading<Vec<LabelRule>> {
@@ -67,15 +59,11 @@ fn read_rule(item: &Item) -> Reading<LabelRule> {
     section.exclusive(&["below", "values"], "write two rules")?;
     let label = section.required("label", "the integer label of what the rule takes", read_label);
     let below = section.optional("below", Item::number);
+    let expected = "a list of at least one integer";
     let values =
-        section.optional("values", |values| read_all(&values.list("a list of at least one number")?, Item::number));
+        section.optional("values", |values| read_all(&values.list(expected)?, |v| v.integer_32("a 32-bit integer")));
     let void = section.optional("void", Item::boolean);
-    let taken = match (below?, values?) {
-        (Some(threshold), _) => Taken::Below(threshold),
-        (None, Some(values)) => Taken::Values(values),
-        (None, None) => Taken::Rest,
-    };
-    Ok(LabelRule { label: label?, taken, void: void?.unwrap_or(false) })
+    Ok(LabelRule { label: label?, below: below?, values: values?, void: void?.unwrap_or(false) })
 }
 
 /// Notes a rule that an earlier one contradicts or leaves nothing to.
@@ -84,22 +72,23 @@ fn refuse_overlap(item: &Item, earlier: &[LabelRule], rule: &LabelRule) -> Readi
         let sentence = format!("{} gives label {} again; expected each label once", item.key(), rule.label);
         return Err(item.note(sentence));
     }
-    match earlier.iter().position(|e| takes_all(&e.taken, &rule.taken)) {
+    match earlier.iter().position(|e| takes_from(e, rule)) {
         None => Ok(()),
         Some(n) => Err(item.note(format!(
-            "{} takes nothing that rule {n} does not take first; expected thresholds that ascend, distinct values, \
-             and a rule without below and values at the end only",
+            "{} overlaps body.labels[{n}], which takes its values first; expected thresholds that ascend, \
+             distinct values, and a rule without below and values at the end only",
             item.key()
         ))),
     }
 }
 
-fn takes_all(first: &Taken, second: &Taken) -> bool {
-    match (first, second) {
-        (Taken::Rest, _) => true,
-        (Taken::Below(a), Taken::Below(b)) => b <= a,
-        (Taken::Below(a), Taken::Values(values)) => values.iter().any(|v| v < a),
-        (Taken::Values(a), Taken::Values(b)) => b.iter().any(|v| a.contains(v)),
+/// Whether `first` leaves `second` nothing, or takes one of the values it lists.
+fn takes_from(first: &LabelRule, second: &LabelRule) -> bool {
+    match (first.below, &first.values, second.below, &second.values) {
+        (None, None, _, _) => true,
+        (Some(a), _, Some(b), _) => b <= a,
+        (Some(a), _, None, Some(values)) => values.iter().any(|v| f64::from(*v) < a),
+        (None, Some(a), None, Some(b)) => b.iter().any(|v| a.contains(v)),
         _ => false,
     }
 }

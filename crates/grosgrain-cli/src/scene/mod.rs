@@ -20,16 +20,15 @@ use std::path::{Path, PathBuf};
 
 use toml::de::DeTable;
 
-pub use body::{Body, Keep, PowerLaw, Source, VoxelModulus};
+pub use body::{Body, Keep, Source, VoxelModulus};
 pub use coarsening::{Base, Coarsening, Objective, TrainingDomain};
 pub use conditions::{Fix, Load, LoadKind};
-pub use labels::{LabelRule, Labelling, Taken};
+pub use labels::Labelling;
 pub use materials::{Constants, MaterialModel, SceneMaterial};
 pub use output::Output;
-pub use pattern::{Grid, Pattern};
+pub use pattern::{Filling, Grid};
 pub use problem::{Problem, SceneError};
 pub use section::{alternatives, enumeration, nearest};
-pub use selector::{Axis, PlanePosition, Selector};
 
 use document::{Document, Item, Noted, Reading};
 use section::Section;

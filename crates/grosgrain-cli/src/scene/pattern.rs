@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use grosgrain::mesh::Label;
+use grosgrain::mesh::{Label, Pattern, SphereCentres};
 
 use super::document::{Item, Reading, read_all};
 use super::section::Section;
@@ -17,47 +17,13 @@ pub struct Grid {
     pub size: [f64; 3],
 }
 
-/// How labels are laid out on a grid.
+/// What fills a grid.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Pattern {
-    /// Layers normal to a direction.
-    Layers {
-        /// The normal, in fine cells along each axis; of any length.
-        direction: [f64; 3],
-        /// Thickness of one run through all labels, in fine cells.
-        period: f64,
-        /// The labels of the layers, of equal thickness.
-        labels: Vec<Label>,
-    },
-    /// Blocks that take the labels in turn along every axis.
-    Checkerboard {
-        /// Edge of a block in fine cells.
-        size: usize,
-        /// The labels.
-        labels: Vec<Label>,
-    },
-    /// Every block draws its label.
-    Random {
-        /// Edge of a block in fine cells.
-        size: usize,
-        /// The seed of the draw.
-        seed: u64,
-        /// The labels, equally likely.
-        labels: Vec<Label>,
-    },
-    /// Balls in a matrix, placed at random.
-    Spheres {
-        /// How many balls.
-        count: usize,
-        /// Their radius in fine cells.
-        radius: f64,
-        /// The seed of the placement.
-        seed: u64,
-        /// The label of the matrix and that of the balls.
-        labels: [Label; 2],
-    },
+pub enum Filling {
+    /// A synthetic pattern.
+    Pattern(Pattern),
     /// The integers of a volume file with as many voxels as the grid has cells.
-    FromFile(PathBuf),
+    File(PathBuf),
 }
 
 /// Reads `grid`.
@@ -70,67 +36,115 @@ pub fn read_grid(item: &Item) -> Reading<Grid> {
     Ok(Grid { cells: cells?, size: size? })
 }
 
-const KINDS: [&str; 5] = ["layers", "checkerboard", "random", "spheres", "from-file"];
+#[derive(Clone, Copy)]
+enum Kind {
+    Layers,
+    Checkerboard,
+    Random,
+    Spheres,
+    FromFile,
+}
+
+const KEYS: &[&str] =
+    &["kind", "direction", "period", "labels", "size", "seed", "fractions", "count", "centres", "radius", "file"];
 
 /// Reads `pattern`.
-pub fn read_pattern(item: &Item) -> Reading<Pattern> {
-    let open = item.section(&["kind", "direction", "period", "labels", "size", "seed", "count", "radius", "file"])?;
-    let kinds = KINDS.map(|kind| (kind, kind));
-    let kind =
-        open.required("kind", "\"layers\", \"checkerboard\", \"random\", \"spheres\" or \"from-file\"", |k| {
-            k.choice(&kinds)
-        })?;
+pub fn read_pattern(item: &Item) -> Reading<Filling> {
+    let section = item.section(KEYS)?;
+    let kinds = [
+        ("layers", Kind::Layers),
+        ("checkerboard", Kind::Checkerboard),
+        ("random", Kind::Random),
+        ("spheres", Kind::Spheres),
+        ("from-file", Kind::FromFile),
+    ];
+    let expected = "\"layers\", \"checkerboard\", \"random\", \"spheres\" or \"from-file\"";
+    let kind = section.required("kind", expected, |kind| kind.choice(&kinds))?;
+    refuse_foreign_keys(&section, kind)?;
     match kind {
-        "layers" => read_layers(&only(&open, kind, &["direction", "period", "labels"])?),
-        "checkerboard" => read_checkerboard(&only(&open, kind, &["size", "labels"])?),
-        "random" => read_random(&only(&open, kind, &["size", "seed", "labels"])?),
-        "spheres" => read_spheres(&only(&open, kind, &["count", "radius", "seed", "labels"])?),
-        _ => only(&open, kind, &["file"])?
-            .required("file", "a volume file of integers", Item::existing_path)
-            .map(Pattern::FromFile),
+        Kind::Layers => read_layers(&section),
+        Kind::Checkerboard => read_checkerboard(&section),
+        Kind::Random => read_random(&section),
+        Kind::Spheres => read_spheres(&section),
+        Kind::FromFile => {
+            return section.required("file", "a volume file of integers", Item::existing_path).map(Filling::File);
+        }
     }
+    .map(Filling::Pattern)
 }
 
 /// Refuses keys that belong to other kinds of pattern.
-fn only<'a, 's>(section: &'a Section<'s>, kind: &str, keys: &[&str]) -> Reading<&'a Section<'s>> {
-    let foreign = section.entries().into_iter().find(|(name, _)| *name != "kind" && !keys.contains(name));
-    match foreign {
-        None => Ok(section),
-        Some((_, item)) => Err(item.note(format!(
-            "{} does not belong to a pattern of kind {kind:?}; known there: {}",
+fn refuse_foreign_keys(section: &Section, kind: Kind) -> Reading<()> {
+    let (name, keys): (_, &[&str]) = match kind {
+        Kind::Layers => ("layers", &["direction", "period", "labels"]),
+        Kind::Checkerboard => ("checkerboard", &["size", "labels"]),
+        Kind::Random => ("random", &["size", "seed", "labels", "fractions"]),
+        Kind::Spheres => ("spheres", &["radius", "labels", "centres", "period", "count", "seed"]),
+        Kind::FromFile => ("from-file", &["file"]),
+    };
+    let is_foreign = |key: &&&str| **key != "kind" && !keys.contains(key);
+    match KEYS.iter().filter(is_foreign).find_map(|key| section.get(key)) {
+        None => Ok(()),
+        Some(item) => Err(item.note(format!(
+            "{} does not belong to a pattern of kind {name:?}; known there: {}",
             item.key(),
             keys.join(", ")
         ))),
     }
 }
 
-fn read_layers(section: &&Section) -> Reading<Pattern> {
-    let direction = section.required("direction", "three numbers, not all zero", |direction| {
-        let d = direction.vector()?;
-        d.iter().any(|v| *v != 0.0).then_some(d).ok_or_else(|| direction.refuse("three numbers, not all zero"))
+fn read_layers(section: &Section) -> Reading<Pattern> {
+    let expected = "three numbers, not all zero";
+    let direction = section.required("direction", expected, |item| match item.vector()? {
+        [0.0, 0.0, 0.0] => Err(item.refuse(expected)),
+        direction => Ok(direction),
     });
-    let period = section.required("period", "a positive number of fine cells", Item::positive);
+    let period = read_period(section);
     let labels = read_labels(section);
     Ok(Pattern::Layers { direction: direction?, period: period?, labels: labels? })
 }
 
-fn read_checkerboard(section: &&Section) -> Reading<Pattern> {
+fn read_checkerboard(section: &Section) -> Reading<Pattern> {
     let (size, labels) = (read_block(section), read_labels(section));
     Ok(Pattern::Checkerboard { size: size?, labels: labels? })
 }
 
-fn read_random(section: &&Section) -> Reading<Pattern> {
+fn read_random(section: &Section) -> Reading<Pattern> {
     let (size, seed, labels) = (read_block(section), read_seed(section), read_labels(section));
-    Ok(Pattern::Random { size: size?, seed: seed?, labels: labels? })
+    let fractions = section.optional("fractions", |item| {
+        let expected = "one number for each label, none negative, with the sum 1";
+        let fractions = read_all(&item.list(expected)?, Item::non_negative)?;
+        let fits = labels.as_ref().is_ok_and(|labels| labels.len() == fractions.len());
+        let is_one = (fractions.iter().sum::<f64>() - 1.0).abs() <= 1e-9;
+        (fits && is_one).then_some(fractions).ok_or_else(|| item.refuse(expected))
+    });
+    Ok(Pattern::Random { size: size?, seed: seed?, labels: labels?, fractions: fractions? })
 }
 
-fn read_spheres(section: &&Section) -> Reading<Pattern> {
-    let count = section.required("count", "the number of balls, at least 1", Item::count);
+fn read_spheres(section: &Section) -> Reading<Pattern> {
     let radius = section.required("radius", "a positive number of fine cells", Item::positive);
-    let seed = read_seed(section);
-    let expected = "two labels, the matrix's and the balls'";
+    let expected = "two labels, the matrix's and the spheres'";
     let labels = section.required("labels", expected, |labels| labels.array(expected, read_label));
-    Ok(Pattern::Spheres { count: count?, radius: radius?, seed: seed?, labels: labels? })
+    let centres = read_centres(section);
+    Ok(Pattern::Spheres { radius: radius?, labels: labels?, centres: centres? })
+}
+
+fn read_centres(section: &Section) -> Reading<SphereCentres> {
+    section.exclusive(&["centres", "period", "count"], "the spheres are listed, periodic or counted")?;
+    if let Some(item) = section.get("centres") {
+        let centres = read_all(&item.list("a list of centres [x, y, z] in fine cells")?, Item::vector)?;
+        return Ok(SphereCentres::List(centres));
+    }
+    if section.has("period") {
+        return read_period(section).map(|period| SphereCentres::Periodic { period });
+    }
+    let expected = "the number of spheres; or centres = [[x, y, z]], or period, in fine cells";
+    let (count, seed) = (section.required("count", expected, Item::count), read_seed(section));
+    Ok(SphereCentres::Random { count: count?, seed: seed? })
+}
+
+fn read_period(section: &Section) -> Reading<f64> {
+    section.required("period", "a positive number of fine cells", Item::positive)
 }
 
 fn read_block(section: &Section) -> Reading<usize> {
@@ -139,16 +153,10 @@ fn read_block(section: &Section) -> Reading<usize> {
 
 fn read_seed(section: &Section) -> Reading<u64> {
     let read = |seed: &Item| seed.integer_where("an integer that is not negative", |v| v >= 0);
-    Ok(section.optional("seed", read)?.unwrap_or(0) as u64)
+    Ok(section.optional("seed", read)?.map_or(0, i64::unsigned_abs))
 }
 
 fn read_labels(section: &Section) -> Reading<Vec<Label>> {
-    let expected = "a list of at least two labels";
-    section.required("labels", expected, |item| {
-        let items = item.list(expected)?;
-        match items.len() {
-            1 => Err(item.refuse(expected)),
-            _ => read_all(&items, read_label),
-        }
-    })
+    let expected = "a list of at least one label";
+    section.required("labels", expected, |labels| read_all(&labels.list(expected)?, read_label))
 }
