@@ -77,6 +77,22 @@ impl Lattice {
             Node(base + z + y + 1),
         ]
     }
+
+    /// The cell `offset` away from the position `at`, `None` outside of the lattice.
+    pub fn neighbour(&self, at: [usize; 3], offset: [isize; 3]) -> Option<Cell> {
+        let mut to = at;
+        for a in 0..3 {
+            to[a] = at[a].checked_add_signed(offset[a]).filter(|&i| i < self.cells[a])?;
+        }
+        Some(self.cell(to))
+    }
+
+    /// The up to eight cells that have `node` as a corner, x fastest.
+    pub fn cells_at(&self, node: Node) -> impl Iterator<Item = Cell> {
+        let at = self.node_position(node);
+        let lattice = *self;
+        (0..8).filter_map(move |c: isize| lattice.neighbour(at, [(c & 1) - 1, (c >> 1 & 1) - 1, (c >> 2) - 1]))
+    }
 }
 
 const fn unravel(index: usize, extent: [usize; 3]) -> [usize; 3] {
@@ -97,6 +113,16 @@ mod tests {
         }
         for n in 0..lattice.node_count() {
             assert_eq!(lattice.node(lattice.node_position(Node(n))), Node(n));
+        }
+    }
+
+    #[test]
+    fn cells_at_a_node_are_those_that_have_it_as_a_corner() {
+        let lattice = Lattice::new([3, 1, 2]);
+        for n in (0..lattice.node_count()).map(Node) {
+            let expected: Vec<_> =
+                (0..lattice.cell_count()).map(Cell).filter(|c| lattice.corners(*c).contains(&n)).collect();
+            assert_eq!(lattice.cells_at(n).collect::<Vec<_>>(), expected, "node {n:?}");
         }
     }
 

@@ -1,6 +1,6 @@
 //! A voxel body: labels, voids, optional per-voxel modulus and density.
 
-use super::Lattice;
+use super::{Cell, Lattice, Node};
 
 /// The label of a voxel: what the scene's materials are looked up by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -90,6 +90,11 @@ impl VoxelGrid {
         std::array::from_fn(|a| self.origin[a] + self.spacing[a] * at[a] as f64)
     }
 
+    /// Centre of the voxel (i, j, k) [m].
+    pub fn centre(&self, at: [usize; 3]) -> [f64; 3] {
+        std::array::from_fn(|a| self.origin[a] + self.spacing[a] * (at[a] as f64 + 0.5))
+    }
+
     /// Volume of one voxel [m³].
     pub fn cell_volume(&self) -> f64 {
         self.spacing.iter().product()
@@ -98,6 +103,24 @@ impl VoxelGrid {
     /// Number of voxels that are not void.
     pub fn solid_count(&self) -> usize {
         self.void.iter().filter(|v| !**v).count()
+    }
+
+    /// Which lattice nodes touch a solid voxel: those that have unknowns, x fastest.
+    pub fn active_nodes(&self) -> Vec<bool> {
+        let mut active = vec![false; self.lattice.node_count()];
+        for c in (0..self.void.len()).filter(|&c| !self.void[c]) {
+            self.lattice.corners(Cell(c)).iter().for_each(|n: &Node| active[n.0] = true);
+        }
+        active
+    }
+
+    /// First and last node of the body along x, y, z as lattice positions; `None` if every voxel is void.
+    pub fn body_box(&self) -> Option<[[usize; 3]; 2]> {
+        let solid = (0..self.void.len()).filter(|&c| !self.void[c]);
+        solid.map(|c| self.lattice.cell_position(Cell(c))).fold(None, |range, at| {
+            let [low, high] = range.unwrap_or([at, at]);
+            Some([std::array::from_fn(|a| at[a].min(low[a])), std::array::from_fn(|a: usize| (at[a] + 1).max(high[a]))])
+        })
     }
 
     /// Refuses grids that no model can be built on.
@@ -129,9 +152,7 @@ impl VoxelGrid {
         let bad = (0..values.len()).find(|&c| !self.void[c] && !(values[c].is_finite() && values[c] > 0.0));
         match bad {
             None => Ok(()),
-            Some(c) => {
-                Err(VoxelGridError::Value { field, at: self.lattice.cell_position(super::Cell(c)), value: values[c] })
-            }
+            Some(c) => Err(VoxelGridError::Value { field, at: self.lattice.cell_position(Cell(c)), value: values[c] }),
         }
     }
 }
@@ -140,5 +161,32 @@ fn check_length(field: &'static str, found: usize, expected: usize) -> Result<()
     match found == expected {
         true => Ok(()),
         false => Err(VoxelGridError::Length { field, found, expected }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_body_box_and_the_active_nodes_are_those_of_the_solid_voxels() {
+        let mut grid = VoxelGrid::uniform([4, 3, 2], [1.0, 2.0, 3.0], Label(1));
+        grid.void.fill(true);
+        assert_eq!(grid.body_box(), None);
+        grid.void[grid.lattice.cell([2, 1, 0]).0] = false;
+        assert_eq!(grid.body_box(), Some([[2, 1, 0], [3, 2, 1]]));
+        let active = grid.active_nodes();
+        assert_eq!(active.iter().filter(|a| **a).count(), 8);
+        assert!(grid.lattice.corners(grid.lattice.cell([2, 1, 0])).iter().all(|n| active[n.0]));
+    }
+
+    #[test]
+    fn bad_values_of_solid_voxels_are_named_and_those_of_voids_ignored() {
+        let mut grid = VoxelGrid::uniform([2, 1, 1], [1.0; 3], Label(1));
+        grid.young = Some(vec![1.0, -1.0]);
+        let error = grid.validate().unwrap_err();
+        assert_eq!(error.to_string(), "the Young modulus of voxel (1, 0, 0) is -1; it must be positive and finite");
+        grid.void[1] = true;
+        assert_eq!(grid.validate(), Ok(()));
     }
 }
