@@ -1,0 +1,125 @@
+//! From a scene to a body: voxels, materials, and the parts that conditions hold on.
+
+mod materials;
+mod voxels;
+
+pub use materials::solid_counts;
+
+use grosgrain::material::MaterialTable;
+use grosgrain::mesh::{
+    Components, Neighbourhood, NodeSelection, Removed, Selector, Volume, VoxelGrid, keep_largest, remove_floating,
+    resample,
+};
+
+use crate::failure::Failure;
+use crate::quantities::{counted, triple_count};
+use crate::scene::{Keep, Labelling, LoadKind, Scene};
+
+/// The body of a scene, ready to be modelled.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Body {
+    /// Its voxels.
+    pub grid: VoxelGrid,
+    /// What its labels stand for.
+    pub materials: MaterialTable,
+    /// The volume that it was read from, where there is one.
+    pub volume: Option<Volume>,
+    /// What the user should know about how it came about.
+    pub remarks: Vec<String>,
+}
+
+/// Builds the body of `scene`: reads its files, labels, resamples, keeps the parts that are to stay, and checks that
+/// every solid voxel has a material and every condition a node.
+///
+/// # Errors
+/// Files that cannot be read; everything in the scene that does not fit what the files hold.
+pub fn build_body(scene: &Scene) -> Result<Body, Failure> {
+    let (mut grid, volume) = voxels::read_grid(scene)?;
+    materials::require_materials(scene, &grid)?;
+    materials::fill_fields(scene, &mut grid);
+    let mut remarks = Vec::new();
+    if let Some(cells) = scene.body.resample {
+        let old = grid.lattice.cells;
+        grid = resample(&grid, cells, &precedence(scene)).map_err(|e| unusable(scene, "body.resample", e))?;
+        remarks.push(format!("resampled from {} to {} cells", triple_count(old), triple_count(cells)));
+    }
+    keep_components(scene, &mut grid, &mut remarks)?;
+    grid.validate().map_err(|error| unusable(scene, "body", error))?;
+    for (key, selector) in conditions(scene) {
+        selector.nodes(&grid).map_err(|error| unusable(scene, &format!("{key}.where"), error))?;
+    }
+    Ok(Body { materials: materials::table(scene, &grid)?, grid, volume, remarks })
+}
+
+/// The sentence for an error of the library under the key that caused it.
+fn unusable(scene: &Scene, key: &str, error: impl std::fmt::Display) -> Failure {
+    Failure::Unusable(format!("{}: {key}: {error}", scene.file.display()))
+}
+
+/// Which label wins where two fill a resampled cell equally: the one that the rules name first.
+fn precedence(scene: &Scene) -> Vec<grosgrain::mesh::Label> {
+    match &scene.body.labelling {
+        Labelling::Rules(rules) => rules.iter().map(|rule| rule.label).collect(),
+        Labelling::Own { .. } | Labelling::One => Vec::new(),
+    }
+}
+
+/// The selectors of all conditions with the keys they stand under.
+fn conditions(scene: &Scene) -> Vec<(&str, &Selector)> {
+    let fixes = scene.fixes.iter().map(|fix| (fix.key.as_str(), &fix.selection));
+    let loads = scene.loads.iter().filter_map(|load| match &load.kind {
+        LoadKind::Gravity(_) => None,
+        LoadKind::Traction(selection, _) | LoadKind::Force(selection, _) => Some((load.key.as_str(), selection)),
+    });
+    fixes.chain(loads).collect()
+}
+
+/// The nodes that any `[[fix]]` of `scene` holds, one entry per node of the lattice.
+///
+/// # Errors
+/// A selection that holds no node of the body.
+pub fn held_nodes(scene: &Scene, grid: &VoxelGrid) -> Result<Vec<bool>, Failure> {
+    let mut held = vec![false; grid.lattice.node_count()];
+    for fix in &scene.fixes {
+        let NodeSelection { mask, .. } =
+            fix.selection.nodes(grid).map_err(|error| unusable(scene, &format!("{}.where", fix.key), error))?;
+        held.iter_mut().zip(mask).for_each(|(held, here)| *held |= here);
+    }
+    Ok(held)
+}
+
+fn keep_components(scene: &Scene, grid: &mut VoxelGrid, remarks: &mut Vec<String>) -> Result<(), Failure> {
+    let removed = match scene.body.keep {
+        Keep::All => return warn_of_floating_parts(scene, grid, remarks),
+        Keep::Largest => keep_largest(grid),
+        Keep::Supported => {
+            let held = held_nodes(scene, grid)?;
+            remove_floating(grid, &held)
+        }
+    };
+    if removed != Removed::default() {
+        let what = if scene.body.keep == Keep::Largest { "outside the largest part" } else { "that nothing holds" };
+        remarks.push(format!(
+            "left out {} with {} {what}",
+            counted(removed.components, "part"),
+            counted(removed.cells, "cell")
+        ));
+    }
+    Ok(())
+}
+
+fn warn_of_floating_parts(scene: &Scene, grid: &VoxelGrid, remarks: &mut Vec<String>) -> Result<(), Failure> {
+    if scene.fixes.is_empty() || Components::new(&grid.void, &grid.lattice, Neighbourhood::Faces).count() < 2 {
+        return Ok(());
+    }
+    let floating = remove_floating(&mut grid.clone(), &held_nodes(scene, grid)?);
+    if floating != Removed::default() {
+        remarks.push(format!(
+            "{} of the body with {} share no face with a part that is held; \
+             body.keep = \"supported\" or \"largest\" leaves them out",
+            counted(floating.components, "part"),
+            counted(floating.cells, "cell")
+        ));
+    }
+    Ok(())
+}

@@ -1,0 +1,77 @@
+//! `convert`: a volume from one format to another.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use grosgrain::io::{VolumeFormat, read_volume, write_volume};
+
+use crate::failure::Failure;
+use crate::interruption::stop_here_if_asked;
+use crate::progress::Progress;
+use crate::quantities::{bytes, triple_count};
+use crate::results;
+
+const EXAMPLES: &str = "Examples:
+  grosgrain convert scan.nii.gz scan.nrrd
+  grosgrain convert stack.tif volume.mha --spacing 0.001,0.001,0.002 --overwrite";
+
+/// Arguments of `convert`.
+#[derive(Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub struct Arguments {
+    /// The volume to read: a file, or a folder of DICOM slices or TIFF pages
+    #[arg(value_name = "IN")]
+    input: PathBuf,
+    /// The file to write; its extension names the format
+    #[arg(value_name = "OUT")]
+    output: PathBuf,
+    /// Replace OUT if it exists
+    #[arg(long)]
+    overwrite: bool,
+    /// Edge lengths of a voxel in metres, in place of what IN says
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse_spacing)]
+    spacing: Option<[f64; 3]>,
+}
+
+fn parse_spacing(text: &str) -> Result<[f64; 3], String> {
+    let numbers: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse::<f64>()).collect();
+    let numbers = numbers.ok().filter(|n| n.iter().all(|h| h.is_finite() && *h > 0.0));
+    numbers
+        .and_then(|n| n.try_into().ok())
+        .ok_or_else(|| "expected three positive numbers in metres, as 0.001,0.001,0.002".into())
+}
+
+/// Reads IN and writes OUT.
+pub fn run(arguments: &Arguments, progress: &Progress) -> Result<(), Failure> {
+    let (input, output) = (&arguments.input, &arguments.output);
+    check_paths(input, output, arguments.overwrite)?;
+    progress.say(&format!("reading {}", input.display()));
+    let mut volume = read_volume(input)?;
+    volume.spacing = arguments.spacing.or(volume.spacing);
+    stop_here_if_asked();
+    progress.say(&format!("writing {}", output.display()));
+    write_volume(output, &volume)?;
+    let size = std::fs::metadata(output).map_or(0.0, |m| m.len() as f64);
+    results::print(&format!("{}: {} voxels, {}", output.display(), triple_count(volume.cells), bytes(size)))
+}
+
+fn check_paths(input: &Path, output: &Path, overwrite: bool) -> Result<(), Failure> {
+    if !input.exists() {
+        return Err(Failure::Unusable(format!("{} does not exist; expected a volume", input.display())));
+    }
+    if VolumeFormat::of_name(output).is_none() {
+        return Err(Failure::Unusable(format!(
+            "{} has no extension of a volume format; expected .nii, .nii.gz, .nrrd, .mha, .mhd, .tif or .npy",
+            output.display()
+        )));
+    }
+    let same = std::fs::canonicalize(input).ok().zip(std::fs::canonicalize(output).ok()).is_some_and(|(a, b)| a == b);
+    if same {
+        let sentence = "is the input and is never overwritten; expected another name for the output";
+        return Err(Failure::Unusable(format!("{} {sentence}", output.display())));
+    }
+    if output.exists() && !overwrite {
+        return Err(Failure::Unusable(format!("{} exists; --overwrite replaces it", output.display())));
+    }
+    Ok(())
+}

@@ -1,0 +1,169 @@
+//! What a scene describes.
+
+use std::path::Path;
+
+use grosgrain::material::Elasticity;
+use grosgrain::mesh::{Components, Lattice, Neighbourhood, VoxelGrid};
+use serde::Serialize;
+
+use super::row;
+use super::volume::memory_row;
+use crate::body::{Body, build_body, solid_counts};
+use crate::failure::Failure;
+use crate::memory;
+use crate::progress::Progress;
+use crate::quantities::{count, counted, number, triple, triple_count};
+use crate::scene::{Scene, read_scene};
+
+/// What a scene describes.
+#[derive(Debug, Serialize)]
+pub struct SceneSummary {
+    title: String,
+    cells: [usize; 3],
+    spacing_metres: [f64; 3],
+    extent_metres: [f64; 3],
+    solid_cells: usize,
+    void_cells: usize,
+    components: usize,
+    materials: Vec<MaterialSummary>,
+    fine_nodes: usize,
+    fine_unknowns: usize,
+    degree: usize,
+    coarse_cells: usize,
+    coarse_nodes: usize,
+    coarse_unknowns: usize,
+    fixes: usize,
+    loads: usize,
+    direct_bytes: f64,
+    iterative_bytes: f64,
+}
+
+#[derive(Debug, Serialize)]
+struct MaterialSummary {
+    name: String,
+    label: i32,
+    cells: usize,
+    young: Option<[f64; 2]>,
+    poisson: Option<f64>,
+    density: f64,
+}
+
+/// Reads the scene in `file`, builds its body and sums both up.
+pub fn summarise(file: &Path, progress: &Progress) -> Result<SceneSummary, Failure> {
+    let scene = read_scene(file)?;
+    scene.warnings.iter().for_each(|warning| progress.warn(warning));
+    let body = build_body(&scene)?;
+    body.remarks.iter().for_each(|remark| progress.say(remark));
+    Ok(summary(&scene, &body))
+}
+
+fn summary(scene: &Scene, body: &Body) -> SceneSummary {
+    let grid = &body.grid;
+    let fine_nodes = grid.active_nodes().into_iter().filter(|active| *active).count();
+    let coarse = coarse_grid(grid, scene.coarsening.degree);
+    let coarse_nodes = coarse.active_nodes().into_iter().filter(|active| *active).count();
+    SceneSummary {
+        title: scene.title.clone(),
+        cells: grid.lattice.cells,
+        spacing_metres: grid.spacing,
+        extent_metres: std::array::from_fn(|a| grid.spacing[a] * grid.lattice.cells[a] as f64),
+        solid_cells: grid.solid_count(),
+        void_cells: grid.lattice.cell_count() - grid.solid_count(),
+        components: Components::new(&grid.void, &grid.lattice, Neighbourhood::Faces).count(),
+        materials: materials(body),
+        fine_nodes,
+        fine_unknowns: 3 * fine_nodes,
+        degree: scene.coarsening.degree,
+        coarse_cells: coarse.solid_count(),
+        coarse_nodes,
+        coarse_unknowns: 3 * coarse_nodes,
+        fixes: scene.fixes.len(),
+        loads: scene.loads.len(),
+        direct_bytes: memory::direct(3 * fine_nodes),
+        iterative_bytes: memory::iterative(3 * fine_nodes),
+    }
+}
+
+/// The grid of coarse cells; one is void if all its fine cells are.
+fn coarse_grid(grid: &VoxelGrid, degree: usize) -> VoxelGrid {
+    let cells = grid.lattice.cells.map(|n| n.div_ceil(degree));
+    let spacing = grid.spacing.map(|h| h * degree as f64);
+    let mut coarse = VoxelGrid::uniform(cells, spacing, grosgrain::mesh::Label(0));
+    coarse.void.fill(true);
+    let lattice: Lattice = coarse.lattice;
+    for (cell, _) in grid.void.iter().enumerate().filter(|(_, void)| !**void) {
+        let at = grid.lattice.cell_position(grosgrain::mesh::Cell(cell)).map(|i| i / degree);
+        coarse.void[lattice.cell(at).0] = false;
+    }
+    coarse
+}
+
+fn materials(body: &Body) -> Vec<MaterialSummary> {
+    let counts = solid_counts(&body.grid);
+    let summarise = |(label, material): (grosgrain::mesh::Label, &grosgrain::material::Material)| {
+        let (constant, poisson) = match material.elasticity {
+            Elasticity::Isotropic(m) => (Some([m.young(), m.young()]), Some(m.poisson())),
+            Elasticity::Anisotropic(_) => (None, None),
+        };
+        MaterialSummary {
+            name: material.name.clone(),
+            label: label.0,
+            cells: counts.get(&label).copied().unwrap_or(0),
+            young: young_range(&body.grid, label).or(constant),
+            poisson,
+            density: material.density,
+        }
+    };
+    body.materials.iter().map(summarise).collect()
+}
+
+/// Smallest and largest modulus of the solid voxels of `label`, where moduli are given voxel by voxel.
+fn young_range(grid: &VoxelGrid, label: grosgrain::mesh::Label) -> Option<[f64; 2]> {
+    let young = grid.young.as_ref()?;
+    let of_label = |c: &usize| grid.labels[*c] == label && !grid.void[*c];
+    let range = (0..young.len())
+        .filter(of_label)
+        .fold([f64::INFINITY, 0.0f64], |[low, high], c| [low.min(young[c]), high.max(young[c])]);
+    (range[1] > 0.0).then_some(range)
+}
+
+impl SceneSummary {
+    /// The summary for people.
+    pub fn rows(&self) -> Vec<(String, String)> {
+        let mut rows = vec![
+            row("scene", self.title.clone()),
+            row(
+                "body",
+                format!("{} cells of {} mm", triple_count(self.cells), triple(self.spacing_metres.map(|h| 1e3 * h))),
+            ),
+            row("extent", format!("{} m", triple(self.extent_metres))),
+            row("solid", format!("{}, {} void", counted(self.solid_cells, "cell"), count(self.void_cells))),
+            row("parts", format!("{}, connected by faces", count(self.components))),
+        ];
+        rows.extend(self.materials.iter().map(MaterialSummary::row));
+        rows.push(row("conditions", format!("{} fixed, {} loaded", count(self.fixes), count(self.loads))));
+        rows.push(row("fine model", model_size(self.solid_cells, self.fine_nodes, self.fine_unknowns)));
+        let coarse = model_size(self.coarse_cells, self.coarse_nodes, self.coarse_unknowns);
+        rows.push(row("coarse model", format!("{coarse}, at degree {}", self.degree)));
+        rows.push(memory_row(self.direct_bytes, self.iterative_bytes));
+        rows
+    }
+}
+
+fn model_size(cells: usize, nodes: usize, unknowns: usize) -> String {
+    format!("{}, {}, {}", counted(cells, "cell"), counted(nodes, "node"), counted(unknowns, "unknown"))
+}
+
+impl MaterialSummary {
+    fn row(&self) -> (String, String) {
+        let elasticity = match (self.young, self.poisson) {
+            (Some([low, high]), Some(poisson)) if low == high => format!("E {} Pa, ν {}", number(low), number(poisson)),
+            (Some([low, high]), Some(poisson)) => {
+                format!("E {} to {} Pa, ν {}", number(low), number(high), number(poisson))
+            }
+            _ => "21 constants".into(),
+        };
+        let name = format!("{} ({})", self.name, self.label);
+        row(&name, format!("{}, {elasticity}, {} kg/m³", counted(self.cells, "cell"), number(self.density)))
+    }
+}

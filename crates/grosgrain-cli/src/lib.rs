@@ -1,0 +1,14 @@
+//! The command line of grosgrain: scenes, commands, progress, reports.
+
+pub mod arguments;
+pub mod body;
+pub mod commands;
+pub mod failure;
+pub mod interruption;
+pub mod memory;
+pub mod method;
+pub mod progress;
+pub mod quantities;
+pub mod report;
+pub mod results;
+pub mod scene;

@@ -1,0 +1,119 @@
+//! The ways to model a body, by name.
+
+use std::fmt;
+use std::str::FromStr;
+
+use crate::scene::{TrainingDomain, nearest};
+
+/// A way to model the body of a scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// The fine model.
+    Fine,
+    /// Coarse trilinear elements with the materials integrated at the fine quadrature points.
+    Trilinear,
+    /// Coarse trilinear elements of volume-averaged material.
+    Average,
+    /// Shape functions fitted to training data.
+    Coarsened(TrainingDomain),
+}
+
+/// Why a name is no method.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum MethodError {
+    /// No method has the name.
+    #[error("{name:?} is no method{hint}; expected fine, trilinear, average, global, one-ring or single-cell")]
+    Unknown {
+        /// What was given.
+        name: String,
+        /// A nearby name.
+        hint: String,
+    },
+    /// The method exists, but not here.
+    #[error(
+        "{0:?} is not in this version; it has fine, trilinear, average, global, one-ring and single-cell, \
+         with 6 training fields"
+    )]
+    NotYet(String),
+}
+
+impl Method {
+    /// Every method with its name.
+    pub const ALL: [(&'static str, Self); 6] = [
+        ("fine", Self::Fine),
+        ("trilinear", Self::Trilinear),
+        ("average", Self::Average),
+        ("global", Self::Coarsened(TrainingDomain::Global)),
+        ("one-ring", Self::Coarsened(TrainingDomain::OneRing)),
+        ("single-cell", Self::Coarsened(TrainingDomain::SingleCell)),
+    ];
+
+    /// Its name.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Fine => "fine",
+            Self::Trilinear => "trilinear",
+            Self::Average => "average",
+            Self::Coarsened(TrainingDomain::Global) => "global",
+            Self::Coarsened(TrainingDomain::OneRing) => "one-ring",
+            Self::Coarsened(TrainingDomain::SingleCell) => "single-cell",
+        }
+    }
+}
+
+impl FromStr for Method {
+    type Err = MethodError;
+
+    fn from_str(name: &str) -> Result<Self, MethodError> {
+        let (stem, fields) = name.split_once('+').map_or((name, None), |(stem, n)| (stem, Some(n)));
+        let known = Self::ALL.iter().find(|(known, _)| *known == stem).map(|(_, method)| *method);
+        let trained = matches!(known, Some(Self::Coarsened(_))) || stem == "substructured";
+        match (known, fields) {
+            (Some(method), None) => Ok(method),
+            (Some(method), Some("6")) if trained => Ok(method),
+            (_, Some(n)) if trained && n.parse::<usize>().is_ok() => Err(MethodError::NotYet(name.into())),
+            (None, None) if ["substructured", "tensor"].contains(&stem) => Err(MethodError::NotYet(name.into())),
+            _ => {
+                let near = nearest(stem, &Self::ALL.map(|(known, _)| known));
+                let hint = near.map_or_else(String::new, |near| format!(", did you mean {near:?}?"));
+                Err(MethodError::Unknown { name: name.into(), hint })
+            }
+        }
+    }
+}
+
+impl fmt::Display for Method {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_method_is_read_back_from_its_name() {
+        for (name, method) in Method::ALL {
+            assert_eq!((method.name(), name.parse()), (name, Ok(method)));
+        }
+        assert_eq!("one-ring+6".parse(), Ok(Method::Coarsened(TrainingDomain::OneRing)));
+    }
+
+    #[test]
+    fn methods_beyond_this_version_are_recognised_and_refused() {
+        for name in ["one-ring+18", "substructured", "substructured+6", "tensor"] {
+            assert_eq!(name.parse::<Method>(), Err(MethodError::NotYet(name.into())));
+        }
+    }
+
+    #[test]
+    fn a_misspelt_method_gets_a_suggestion() {
+        for name in ["onering", "fine+6", "one-ring+", "one-ring+x", "zzz"] {
+            let message = name.parse::<Method>().unwrap_err().to_string();
+            assert!(message.starts_with(&format!("{name:?} is no method")), "{message}");
+        }
+        assert!("onering".parse::<Method>().unwrap_err().to_string().contains("did you mean \"one-ring\"?"));
+    }
+}

@@ -1,0 +1,136 @@
+//! `report.json`: what a run did, in figures.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use serde::Serialize;
+use sha2::{Digest, Sha256};
+
+use crate::failure::Failure;
+
+/// The version of the report's layout; it grows when a field changes its meaning or goes.
+pub const SCHEMA_VERSION: u32 = 1;
+
+/// The report of one run.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Report {
+    /// Version of this layout.
+    pub schema_version: u32,
+    /// Version of the program.
+    pub program_version: &'static str,
+    /// The scene's title.
+    pub title: String,
+    /// The method's name.
+    pub method: String,
+    /// SHA-256 of the scene and the files it names.
+    pub input_hash: String,
+    /// Number of threads.
+    pub threads: usize,
+    /// The fine model.
+    pub fine: ModelSize,
+    /// The coarse model; absent for the method `fine`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub coarse: Option<ModelSize>,
+    /// Seconds spent in each stage.
+    pub seconds: BTreeMap<String, f64>,
+    /// How the equations were solved.
+    pub solver: Solver,
+    /// What changed during the run.
+    pub edits: Vec<Edit>,
+    /// The frames that were written.
+    pub frames: Vec<Frame>,
+    /// The difference from the fine model; absent where it did not run.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub error: Option<RunError>,
+}
+
+/// The size of a model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct ModelSize {
+    /// Cells that are not void.
+    pub cells: usize,
+    /// Nodes that touch one.
+    pub nodes: usize,
+    /// Unknown displacement components.
+    pub unknowns: usize,
+}
+
+/// How the equations were solved.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Solver {
+    /// The solver's name.
+    pub kind: String,
+    /// Why it was chosen.
+    pub reason: String,
+    /// Iterations; 0 for a direct solver.
+    pub iterations: usize,
+    /// ‖f − K u‖ / ‖f‖.
+    pub relative_residual: f64,
+}
+
+/// A change during the run.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Edit {
+    /// The step it happened in.
+    pub step: usize,
+    /// Coarse cells whose material changed.
+    pub changed_cells: usize,
+    /// Coarse cells that were coarsened again.
+    pub dirty_cells: usize,
+    /// Seconds by stage: training, fitting, total.
+    pub seconds: BTreeMap<String, f64>,
+}
+
+/// A frame that was written.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Frame {
+    /// The step.
+    pub step: usize,
+    /// The time [s].
+    pub time: f64,
+    /// The elastic energy [J].
+    pub energy: f64,
+    /// RMS error against the fine model in percent; absent where that did not run.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub error: Option<f64>,
+}
+
+/// The difference from the fine model.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct RunError {
+    /// 100 ‖u_coarse − u_fine‖ / ‖u_fine‖ over the fine nodes.
+    pub rms_percent: f64,
+    /// Elastic energy of the coarse model over that of the fine one.
+    pub energy_ratio: f64,
+}
+
+/// SHA-256 over the contents of `files` in their order, each preceded by its length, as lower-case hexadecimal.
+///
+/// # Errors
+/// A file that cannot be read.
+pub fn input_hash(files: &[&Path]) -> Result<String, Failure> {
+    let mut hash = Sha256::new();
+    for file in files {
+        let content = std::fs::read(file).map_err(|e| Failure::Failed(format!("{}: {e}", file.display())))?;
+        hash.update((content.len() as u64).to_le_bytes());
+        hash.update(&content);
+    }
+    Ok(hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_input_hash_is_sha256_over_lengths_and_contents() {
+        let folder = tempfile::tempdir().unwrap();
+        let (a, b) = (folder.path().join("a"), folder.path().join("b"));
+        std::fs::write(&a, "abc").unwrap();
+        std::fs::write(&b, "").unwrap();
+        // printf '\x03\0\0\0\0\0\0\0abc\0\0\0\0\0\0\0\0' | sha256sum
+        let expected = "3e2f8940c3a0e0fd6f6e07bbf07f015dd7c147431e5fa14bf3f225d782641540";
+        assert_eq!(input_hash(&[&a, &b]).unwrap(), expected);
+        assert_ne!(input_hash(&[&b, &a]).unwrap(), expected);
+    }
+}

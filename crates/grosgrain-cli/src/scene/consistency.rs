@@ -1,0 +1,167 @@
+//! Checks between the tables of a scene.
+
+use std::collections::BTreeSet;
+
+use grosgrain::material::Elasticity;
+use grosgrain::mesh::{Label, Pattern};
+
+use super::body::{Keep, Source, VoxelModulus};
+use super::conditions::LoadKind;
+use super::document::Reading;
+use super::labels::Labelling;
+use super::materials::{Constants, MaterialModel};
+use super::pattern::Filling;
+use super::section::{Section, enumeration};
+use super::{Problem, Scene, SceneError, SceneMaterial};
+
+/// Notes what does not fit together.
+pub fn check(root: &Section, scene: &Scene) -> Reading<()> {
+    let checks =
+        [refuse_missing_materials(root, scene), refuse_missing_density(root, scene), refuse_idle_keys(root, scene)];
+    checks.into_iter().collect()
+}
+
+/// The labels of the body's solid voxels, where the scene alone tells them.
+fn solid_labels(scene: &Scene) -> Option<BTreeSet<Label>> {
+    match (&scene.body.labelling, &scene.body.source) {
+        (Labelling::Rules(rules), _) => Some(rules.iter().filter(|r| !r.void).map(|r| r.label).collect()),
+        (Labelling::One, _) => Some([Label(0)].into()),
+        (Labelling::Own { void }, Source::Grid(_, Filling::Pattern(pattern))) => {
+            Some(pattern_labels(pattern).iter().copied().filter(|l| !void.contains(l)).collect())
+        }
+        _ => None,
+    }
+}
+
+fn pattern_labels(pattern: &Pattern) -> &[Label] {
+    match pattern {
+        Pattern::Layers { labels, .. } | Pattern::Checkerboard { labels, .. } | Pattern::Random { labels, .. } => {
+            labels
+        }
+        Pattern::Spheres { labels, .. } => labels,
+    }
+}
+
+fn has_law(scene: &Scene) -> bool {
+    matches!(scene.body.modulus, Some(VoxelModulus::Law { .. }))
+}
+
+fn refuse_missing_materials(root: &Section, scene: &Scene) -> Reading<()> {
+    let Some(labels) = solid_labels(scene).filter(|_| !has_law(scene)) else { return Ok(()) };
+    let lacks = |label: &Label| scene.materials.iter().all(|m| m.label != *label);
+    let missing: Vec<String> = labels.into_iter().filter(lacks).map(|label| label.to_string()).collect();
+    let noun = if missing.len() == 1 { "label" } else { "labels" };
+    match missing.is_empty() {
+        true => Ok(()),
+        false => Err(root.note_at(
+            &["body", "labels"],
+            format!(
+                "the body has {noun} {} without a material; expected a table [materials.NAME] with label = {}",
+                enumeration(&missing),
+                missing[0]
+            ),
+        )),
+    }
+}
+
+/// Gravity needs densities; so does a law that gives some voxels one, since then every voxel must have one.
+fn refuse_missing_density(root: &Section, scene: &Scene) -> Reading<()> {
+    let gravity = scene.loads.iter().find(|load| matches!(load.kind, LoadKind::Gravity(_)));
+    let reason = match gravity {
+        Some(gravity) => format!("{} is gravity", gravity.key),
+        None if has_law(scene) => "body.modulus gives other voxels a density".into(),
+        None => return Ok(()),
+    };
+    let from_law = |m: &SceneMaterial| has_law(scene) && matches!(m.constants, Constants::YoungPerVoxel { .. });
+    let refuse = |m: &SceneMaterial| {
+        let sentence = format!("materials.{}.density is missing, but {reason}; expected the density in kg/m³", m.name);
+        Err(root.note_at(&["materials", &m.name], sentence))
+    };
+    let lacking = scene.materials.iter().filter(|m| m.density.is_none() && !from_law(m));
+    lacking.map(refuse).collect::<Vec<_>>().into_iter().collect()
+}
+
+fn refuse_idle_keys(root: &Section, scene: &Scene) -> Reading<()> {
+    let refuse = |bad: bool, names: &[&str], sentence: &str| match bad {
+        true => Err(root.note_at(names, sentence.into())),
+        false => Ok(()),
+    };
+    let file = matches!(scene.body.modulus, Some(VoxelModulus::File(_)));
+    let per_voxel = |m: &SceneMaterial| matches!(m.constants, Constants::YoungPerVoxel { .. });
+    let from_file = file || matches!(scene.body.source, Source::Moduli(_));
+    let young = refuse(
+        from_file && !scene.materials.is_empty() && !scene.materials.iter().any(per_voxel),
+        &["body", "young"],
+        "body.young is never used, because every material gives its own constants; \
+         expected a material without young, or no body.young",
+    );
+    let volume = refuse(
+        scene.output.volume && matches!(scene.body.source, Source::Grid(..)),
+        &["output", "volume"],
+        "output.volume is true, but the body comes from no volume; expected false, or body.volume",
+    );
+    let keep = refuse(
+        scene.body.keep == Keep::Supported && scene.fixes.is_empty(),
+        &["body", "keep"],
+        "body.keep is \"supported\", but nothing is held; expected at least one table [[fix]]",
+    );
+    young.and(volume).and(keep).and(refuse_mixed_stiffness(root, scene))
+}
+
+/// A modulus per voxel scales an isotropic material only.
+fn refuse_mixed_stiffness(root: &Section, scene: &Scene) -> Reading<()> {
+    if scene.body.modulus.is_none() {
+        return Ok(());
+    }
+    let is_mixed = |m: &&SceneMaterial| matches!(m.constants, Constants::Given(Elasticity::Anisotropic(_)));
+    let refuse = |m: &SceneMaterial| {
+        let sentence = "is given in a body with a Young modulus per voxel; expected young and poisson";
+        Err(root.note_at(&["materials", &m.name, "stiffness"], format!("materials.{}.stiffness {sentence}", m.name)))
+    };
+    scene.materials.iter().filter(is_mixed).map(refuse).collect::<Vec<_>>().into_iter().collect()
+}
+
+/// What the user should know although the scene is usable.
+pub fn warnings(scene: &Scene) -> Vec<String> {
+    let nonlinear = scene.materials.iter().filter(|m| m.model != MaterialModel::Linear);
+    let mut warnings: Vec<String> = nonlinear
+        .map(|m| {
+            let name = match m.model {
+                MaterialModel::NeoHookean => "neo-hookean",
+                _ => "corotational",
+            };
+            format!("materials.{}.model {name:?} is treated as linear for small displacements in this version", m.name)
+        })
+        .collect();
+    if let Some(labels) = solid_labels(scene) {
+        let idle = scene.materials.iter().filter(|m| !labels.contains(&m.label));
+        warnings.extend(idle.map(|m| {
+            format!("materials.{} is never used: no solid part of the body has its label {}", m.name, m.label)
+        }));
+    }
+    warnings
+}
+
+impl Scene {
+    /// Refuses a static run of a body that nothing holds or nothing loads.
+    ///
+    /// # Errors
+    /// No `[[fix]]`; no `[[load]]`.
+    pub fn require_conditions(&self) -> Result<(), SceneError> {
+        let mut sentences = Vec::new();
+        if self.fixes.is_empty() {
+            sentences.push("the body hangs on nothing; expected at least one table [[fix]]");
+        }
+        if self.loads.is_empty() {
+            sentences.push("nothing loads the body, so it would not move; expected at least one table [[load]]");
+        }
+        let problem = |sentence: &str| Problem { line: 0, sentence: sentence.into() };
+        match sentences.is_empty() {
+            true => Ok(()),
+            false => Err(SceneError::Unusable {
+                file: self.file.clone(),
+                problems: sentences.into_iter().map(problem).collect(),
+            }),
+        }
+    }
+}

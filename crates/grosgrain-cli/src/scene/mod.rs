@@ -1,0 +1,141 @@
+//! Scene files: TOML in, a checked [`Scene`] or a list of problems out.
+//!
+//! The text is walked with its spans rather than deserialised, so that every problem of a scene is found at
+//! once and each names its full key and its line.
+
+mod body;
+mod coarsening;
+mod conditions;
+mod consistency;
+mod document;
+mod labels;
+mod materials;
+mod output;
+mod pattern;
+mod problem;
+mod section;
+mod selector;
+
+use std::path::{Path, PathBuf};
+
+use toml::de::DeTable;
+
+pub use body::{Body, Keep, Source, VoxelModulus};
+pub use coarsening::{Base, Coarsening, Objective, TrainingDomain};
+pub use conditions::{Fix, Load, LoadKind};
+pub use labels::Labelling;
+pub use materials::{Constants, MaterialModel, SceneMaterial};
+pub use output::Output;
+pub use pattern::{Filling, Grid};
+pub use problem::{Problem, SceneError};
+pub use section::{alternatives, enumeration, nearest};
+
+use document::{Document, Item, Noted, Reading};
+use section::Section;
+
+/// A scene that passed every check that needs no volume.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scene {
+    /// The file it was read from.
+    pub file: PathBuf,
+    /// Its title; the file's name where it has none.
+    pub title: String,
+    /// The body.
+    pub body: Body,
+    /// The materials, by name.
+    pub materials: Vec<SceneMaterial>,
+    /// How the body is coarsened.
+    pub coarsening: Coarsening,
+    /// What holds the body.
+    pub fixes: Vec<Fix>,
+    /// What loads it.
+    pub loads: Vec<Load>,
+    /// What a run writes.
+    pub output: Output,
+    /// Sentences for the user about what is accepted but not as it may seem.
+    pub warnings: Vec<String>,
+}
+
+const KEYS: &[&str] = &["title", "body", "materials", "coarsening", "time", "fix", "load", "edit", "contact", "output"];
+
+/// Reads and checks the scene in `file`.
+///
+/// # Errors
+/// A file that cannot be read; every problem of one that can, each with its key, its line and what is expected.
+pub fn read_scene(file: &Path) -> Result<Scene, SceneError> {
+    let text =
+        std::fs::read_to_string(file).map_err(|reason| SceneError::Unreadable { file: file.to_path_buf(), reason })?;
+    let folder = file.parent().unwrap_or(Path::new(""));
+    let document = Document::new(&text, folder);
+    let table = match DeTable::parse(&text) {
+        Ok(table) => table,
+        Err(error) => {
+            let at = error.span().unwrap_or(0..0);
+            let near = text.get(at.clone()).filter(|near| !near.trim().is_empty() && !near.contains('\n'));
+            let near = near.map_or_else(String::new, |near| format!(" at {near:?}"));
+            document.note(at, format!("this is not TOML: {}{near}", error.message().replace('\n', "; ")));
+            return Err(SceneError::Unusable { file: file.to_path_buf(), problems: document.into_problems() });
+        }
+    };
+    let reading = read_root(&document, &table, file);
+    let problems = document.into_problems();
+    match reading {
+        Ok(scene) if problems.is_empty() => Ok(scene),
+        _ => Err(SceneError::Unusable { file: file.to_path_buf(), problems }),
+    }
+}
+
+fn read_root<'s>(document: &'s Document<'s>, table: &'s toml::Spanned<DeTable<'s>>, file: &Path) -> Reading<Scene> {
+    let root = Section::new(document, String::new(), 0..0, table.get_ref()).limited_to(KEYS);
+    let refusals = refuse_what_comes_later(&root);
+    let title = root.optional("title", |title| title.text());
+    let body = root.required("body", "the table [body] with volume, or grid and pattern", body::read_body);
+    let materials = read_materials(&root);
+    let coarsening = root.required("coarsening", "the table [coarsening] with degree", coarsening::read_coarsening);
+    let time = root.optional("time", coarsening::read_time);
+    let fixes = root.optional("fix", conditions::read_fixes);
+    let loads = root.optional("load", conditions::read_loads);
+    let output = root.optional("output", output::read_output);
+    refusals?;
+    time?;
+    let title = title?.map_or_else(|| stem(file), String::from);
+    let mut scene = Scene {
+        file: file.to_path_buf(),
+        title,
+        body: body?,
+        materials: materials?,
+        coarsening: coarsening?,
+        fixes: fixes?.unwrap_or_default(),
+        loads: loads?.unwrap_or_default(),
+        output: output?.unwrap_or_default(),
+        warnings: Vec::new(),
+    };
+    consistency::check(&root, &scene)?;
+    scene.warnings = consistency::warnings(&scene);
+    Ok(scene)
+}
+
+/// Materials may be left out only where the body's modulus law stands in for them.
+fn read_materials(root: &Section) -> Reading<Vec<SceneMaterial>> {
+    let body = root.get("body");
+    let has = |name| body.as_ref().is_some_and(|body: &Item| body.child(name).is_some());
+    let read = |item: &Item| materials::read_materials(item, has("young") || has("modulus"));
+    match has("modulus") {
+        true => root.optional("materials", read).map(Option::unwrap_or_default),
+        false => root.required("materials", "one table [materials.NAME] for each label of the body", read),
+    }
+}
+
+fn refuse_what_comes_later(root: &Section) -> Reading<()> {
+    let refuse = |name: &str, what: &str| match root.get(name) {
+        None => Ok(()),
+        Some(item) => Err(item.note(format!("{name} asks for {what}, which this version cannot do; leave it out"))),
+    };
+    let edit = refuse("edit", "changes during the run");
+    let contact: Result<(), Noted> = refuse("contact", "contact");
+    edit.and(contact)
+}
+
+fn stem(file: &Path) -> String {
+    file.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned())
+}

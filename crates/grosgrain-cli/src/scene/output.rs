@@ -1,0 +1,38 @@
+//! What a run writes: `[output]`.
+
+use super::document::{Item, Reading};
+
+/// The `[output]` table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Output {
+    /// Every how many steps a frame is written.
+    pub frames: usize,
+    /// Whether a picture is written.
+    pub picture: bool,
+    /// Whether the deformed volume is written.
+    pub volume: bool,
+    /// Whether the fine model runs too, for comparison.
+    pub compare_with_fine: bool,
+}
+
+impl Default for Output {
+    fn default() -> Self {
+        Self { frames: 1, picture: false, volume: false, compare_with_fine: false }
+    }
+}
+
+/// Reads `[output]`.
+pub fn read_output(item: &Item) -> Reading<Output> {
+    let section = item.section(&["frames", "picture", "volume", "compare"])?;
+    let default = Output::default();
+    let frames = section.optional("frames", Item::count);
+    let picture = section.optional("picture", Item::boolean);
+    let volume = section.optional("volume", Item::boolean);
+    let compare = section.optional("compare", |c| c.choice(&[("fine", true)]));
+    Ok(Output {
+        frames: frames?.unwrap_or(default.frames),
+        picture: picture?.unwrap_or(default.picture),
+        volume: volume?.unwrap_or(default.volume),
+        compare_with_fine: compare?.unwrap_or(default.compare_with_fine),
+    })
+}
