@@ -12,3 +12,4 @@
 pub mod linalg;
 pub mod material;
 pub mod mesh;
+pub mod io;

@@ -1,0 +1,7 @@
+//! Files: volumes are read and written here; every output appears whole or not at all.
+
+mod atomic_write;
+pub mod volume;
+
+pub use atomic_write::write_atomically;
+pub use volume::{ReadError, VolumeFormat, WriteError, read_volume, write_volume};
