@@ -2,6 +2,8 @@
 
 mod loads;
 mod model;
+mod stress;
 
 pub use loads::{HARMONIC_FIELDS, constant_stress, constant_stress_loads, gravity, node_forces, traction};
 pub use model::{FineModel, FineModelError};
+pub use stress::{centre_stresses, von_mises};

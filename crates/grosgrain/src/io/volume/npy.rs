@@ -52,11 +52,8 @@ pub(super) fn write(mut out: impl Write, volume: &Volume) -> Result<(), WriteErr
 
 /// The header's dictionary as text, and the data.
 fn split(bytes: &[u8]) -> Result<(&str, &[u8]), ReadError> {
-    let truncated = |needed: usize| ReadError::Truncated {
-        part: "header bytes",
-        needed: needed as u64,
-        found: bytes.len() as u64,
-    };
+    let truncated =
+        |needed: usize| ReadError::Truncated { part: "header bytes", needed: needed as u64, found: bytes.len() as u64 };
     if !bytes.starts_with(MAGIC) {
         let found = bytes[..bytes.len().min(MAGIC.len())].escape_ascii().to_string();
         return Err(field_error("magic", &found, "\\x93NUMPY"));

@@ -154,9 +154,7 @@ fn refuse_several_volumes(decoder: &mut Decoder<Cursor<&[u8]>>) -> Result<(), Re
             Err(ReadError::SeveralVolumes { count, kind: "channels", example: EXAMPLE })
         }
         _ => match tifffile_shape(&text).as_slice() {
-            [count, _, _, _, ..] => {
-                Err(ReadError::SeveralVolumes { count: *count, kind: "volumes", example: EXAMPLE })
-            }
+            [count, _, _, _, ..] => Err(ReadError::SeveralVolumes { count: *count, kind: "volumes", example: EXAMPLE }),
             _ => Ok(()),
         },
     }

@@ -1,0 +1,114 @@
+//! The coarse model as an `.npz` archive that `numpy.load` opens.
+
+use std::fs::File;
+use std::io::{self, BufWriter};
+use std::path::Path;
+
+use ndarray::{Array0, Array1, Array2, ArrayView1, ArrayView2, ArrayView3, ArrayView4, ShapeError, arr0};
+use ndarray_npy::{NpzWriter, WriteNpzError};
+
+use super::write_atomically;
+use crate::coarse::CoarseModel;
+use crate::coarsening::COLUMNS;
+use crate::fine::FineModel;
+use crate::mesh::{Cell, Node};
+use crate::training::Training;
+
+/// Layout of the archive; it grows when an array changes its meaning or goes.
+pub const MODEL_VERSION: u32 = 1;
+
+/// Why a model was not written.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ModelWriteError {
+    /// The file system refused.
+    #[error("the model cannot be written: {0}")]
+    Io(#[from] io::Error),
+    /// The archive could not be made.
+    #[error("the model cannot be written: {0}")]
+    Archive(#[from] WriteNpzError),
+    /// The parts of the model do not fit each other.
+    #[error("the model's arrays do not fit each other: {0}")]
+    Shape(#[from] ShapeError),
+}
+
+/// Writes a coarse model of n cells and m nodes with degree d.
+///
+/// | array | shape | |
+/// |---|---|---|
+/// | `degree` | () | d |
+/// | `spacing`, `origin` | (3,) | fine cell size and position of the lattice's first node \[m\] |
+/// | `cells` | (n, 3) | coarse indices i, j, k |
+/// | `corners` | (n, 8) | rows of `nodes`, x fastest |
+/// | `nodes` | (m, 3) | positions \[m\] |
+/// | `labels`, `void` | (nz, ny, nx) | of the fine cells |
+/// | `shape_functions` | (n, (d+1)³, 3, 24) | row = component of the fine displacement, column = 3·corner + component |
+/// | `stiffness` | (n, 24, 24) | \[N/m\] |
+/// | `mass` | (m,) | \[kg\] |
+/// | `training` | (n, 3(d+1)³, fields) | training displacements; no fields where there was no training |
+/// | `version` | () | [`MODEL_VERSION`] |
+///
+/// # Errors
+/// When the file cannot be written; nothing is left behind then.
+pub fn write_model(
+    path: &Path,
+    model: &FineModel,
+    coarse: &CoarseModel,
+    training: Option<&Training>,
+) -> Result<(), ModelWriteError> {
+    write_atomically(path, |writer| write_arrays(writer, model, coarse, training))
+}
+
+fn write_arrays(
+    writer: &mut BufWriter<File>,
+    model: &FineModel,
+    coarse: &CoarseModel,
+    training: Option<&Training>,
+) -> Result<(), ModelWriteError> {
+    let mut archive = NpzWriter::new(writer);
+    let grid = model.grid();
+    let [nx, ny, nz] = grid.lattice.cells;
+    let labels: Vec<i32> = grid.labels.iter().map(|label| label.0).collect();
+    archive.add_array("degree", &scalar(coarse.partition().degree() as i64))?;
+    archive.add_array("version", &scalar(i64::from(MODEL_VERSION)))?;
+    archive.add_array("spacing", &Array1::from(grid.spacing.to_vec()))?;
+    archive.add_array("origin", &Array1::from(grid.origin.to_vec()))?;
+    archive.add_array("labels", &ArrayView3::from_shape((nz, ny, nx), &labels)?)?;
+    archive.add_array("void", &ArrayView3::from_shape((nz, ny, nx), &grid.void)?)?;
+    write_topology(&mut archive, model, coarse)?;
+    let (n, rows) = (coarse.cells().len(), coarse.functions().rows());
+    let functions = ArrayView4::from_shape((n, rows / 3, 3, COLUMNS), coarse.functions().data())?;
+    archive.add_array("shape_functions", &functions)?;
+    let stiffness: Vec<f64> = (0..n).flat_map(|index| coarse.cell_stiffness(index).iter().copied()).collect();
+    archive.add_array("stiffness", &ArrayView3::from_shape((n, COLUMNS, COLUMNS), &stiffness)?)?;
+    let (fields, data) = training.map_or((0, &[][..]), |t| (t.fields(), t.data()));
+    archive.add_array("training", &ArrayView3::from_shape((n, rows, fields), data)?)?;
+    archive.finish()?;
+    Ok(())
+}
+
+fn write_topology(
+    archive: &mut NpzWriter<&mut BufWriter<File>>,
+    model: &FineModel,
+    coarse: &CoarseModel,
+) -> Result<(), ModelWriteError> {
+    let partition = coarse.partition();
+    let nodes = coarse.nodes();
+    let row_of = |node| nodes.binary_search(&node).map_or(-1, |row| row as i64);
+    let cells = coarse.cells();
+    let at: Vec<i64> =
+        cells.iter().flat_map(|c| partition.coarse().cell_position(Cell(c.0)).map(|x| x as i64)).collect();
+    let corners: Vec<i64> = cells.iter().flat_map(|c| partition.corners(*c).map(row_of)).collect();
+    let position = |node: Node| model.node_position(node);
+    let positions: Vec<f64> = nodes.iter().flat_map(|n| position(partition.coincident_node(*n))).collect();
+    let mass: Vec<f64> = nodes.iter().map(|n| coarse.mass()[n.0]).collect();
+    archive.add_array("cells", &Array2::from_shape_vec((cells.len(), 3), at)?)?;
+    archive.add_array("corners", &Array2::from_shape_vec((cells.len(), 8), corners)?)?;
+    archive.add_array("nodes", &ArrayView2::from_shape((nodes.len(), 3), &positions)?)?;
+    archive.add_array("mass", &ArrayView1::from(&mass))?;
+    Ok(())
+}
+
+fn scalar(value: i64) -> Array0<i64> {
+    arr0(value)
+}
