@@ -42,7 +42,7 @@ pub fn read_grid(scene: &Scene) -> Result<(VoxelGrid, Option<Volume>), Failure> 
 
 fn spacing(scene: &Scene, path: &Path, volume: &Volume) -> Result<[f64; 3], Failure> {
     let expected = "carries no voxel size; expected three positive numbers in metres per voxel";
-    let missing = || unusable(scene, "body.spacing is missing", format!("{} {expected}", path.display()));
+    let missing = || unusable(scene, "body.spacing", format!("{} {expected}", path.display()));
     scene.body.spacing.or(volume.spacing).ok_or_else(missing)
 }
 

@@ -103,5 +103,5 @@ fn belongs_to_dynamic(item: &Item) -> Reading<()> {
 }
 
 fn not_yet(item: &Item, instead: &str) -> Noted {
-    item.refuse(&format!("{instead} in this version"))
+    item.refuse_for_now(instead)
 }

@@ -54,7 +54,11 @@ fn refuse_missing_materials(root: &Section, scene: &Scene) -> Reading<()> {
     match missing.is_empty() {
         true => Ok(()),
         false => Err(root.note_at(
-            &["body", "labels"],
+            if root.get("body").is_some_and(|body| body.child("pattern").is_some()) {
+                &["body", "pattern", "labels"]
+            } else {
+                &["body", "labels"]
+            },
             format!(
                 "the body has {noun} {} without a material; expected a table [materials.NAME] with label = {}",
                 enumeration(&missing),
