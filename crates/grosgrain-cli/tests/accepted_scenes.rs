@@ -2,10 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
+use grosgrain::coarsening::{BaseKind, Objective};
 use grosgrain::material::Elasticity;
 use grosgrain::mesh::{Axis, Label, PlaneAt, Selector};
+use grosgrain::training::TrainingKind;
 use grosgrain_cli::body::{Body, build_body, solid_counts};
-use grosgrain_cli::scene::{Base, LoadKind, Objective, Scene, TrainingDomain, read_scene};
+use grosgrain_cli::scene::{LoadKind, Scene, read_scene};
 
 const CONDITIONS: &str = "
 [coarsening]
@@ -93,7 +95,7 @@ fn the_static_scene_of_a_ct_volume_is_read_in_full() {
     );
     let (scene, body) = read(&text);
     assert_eq!((scene.title.as_str(), scene.coarsening.degree), ("Abdomen, cut", 2));
-    assert_eq!(scene.coarsening.training, TrainingDomain::OneRing);
+    assert_eq!(scene.coarsening.training, TrainingKind::OneRing);
     assert!(scene.output.compare_with_fine && scene.output.picture && scene.output.volume);
     assert_eq!(scene.warnings.len(), 1, "{:?}", scene.warnings);
     assert_eq!(body.grid.lattice.cells, [24, 24, 18]);
@@ -125,7 +127,7 @@ fn defaults_are_those_that_the_documentation_names() {
     let coarsening = scene.coarsening;
     assert_eq!(
         (coarsening.training, coarsening.base, coarsening.objective),
-        (TrainingDomain::OneRing, Base::Harmonic, Objective::ClosedForm)
+        (TrainingKind::OneRing, BaseKind::Harmonic, Objective::ClosedForm)
     );
     assert_eq!(body.grid.spacing, [0.1, 0.1, 0.05]);
     assert_eq!(counts(&body), [(3, 8)]);

@@ -107,9 +107,9 @@ fn apply_law(
     grid: &mut VoxelGrid,
 ) -> Result<(), Failure> {
     let field = law.apply(volume, floor).map_err(|error| unusable(scene, key, error))?;
-    let takes_own = |label: Label| super::materials::own_constants(scene, label).is_some();
+    let gives_own = |label: Label| super::materials::has_own_constants(scene, label);
     for (cell, void) in grid.void.iter_mut().enumerate() {
-        *void |= field.void[cell] && !takes_own(grid.labels[cell]);
+        *void |= field.void[cell] && !gives_own(grid.labels[cell]);
     }
     grid.young = Some(field.young);
     grid.density = field.density;

@@ -6,7 +6,7 @@ use clap::Args;
 use grosgrain::io::{read_volume, write_volume};
 
 use crate::failure::Failure;
-use crate::interruption::stop_here_if_asked;
+use crate::interruption;
 use crate::progress::Progress;
 use crate::quantities::{bytes, triple_count};
 use crate::results;
@@ -52,7 +52,7 @@ pub fn run(arguments: &Arguments, progress: &Progress) -> Result<(), Failure> {
     progress.say(&format!("reading {}", input.display()));
     let mut volume = read_volume(input)?;
     volume.spacing = arguments.spacing.or(volume.spacing);
-    stop_here_if_asked();
+    interruption::check()?;
     progress.say(&format!("writing {}", output.display()));
     write_volume(output, &volume)?;
     let size = std::fs::metadata(output).map_or(0.0, |m| m.len() as f64);

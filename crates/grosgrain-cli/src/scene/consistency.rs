@@ -117,7 +117,7 @@ fn refuse_mixed_stiffness(root: &Section, scene: &Scene) -> Reading<()> {
     if scene.body.modulus.is_none() {
         return Ok(());
     }
-    let is_mixed = |m: &&SceneMaterial| matches!(m.constants, Constants::Given(Elasticity::Anisotropic(_)));
+    let is_mixed = |m: &&SceneMaterial| m.own_elasticity().is_some_and(|e| matches!(e, Elasticity::Anisotropic(_)));
     let refuse = |m: &SceneMaterial| {
         let sentence = "is given in a body with a Young modulus per voxel; expected young and poisson";
         Err(root.note_at(&["materials", &m.name, "stiffness"], format!("materials.{}.stiffness {sentence}", m.name)))

@@ -22,7 +22,7 @@ use std::path::{Path, PathBuf};
 use toml::de::DeTable;
 
 pub use body::{Body, Keep, Source, VoxelModulus};
-pub use coarsening::{Base, Coarsening, Objective, TrainingDomain};
+pub use coarsening::Coarsening;
 pub use conditions::{Fix, Load, LoadKind};
 pub use labels::Labelling;
 pub use materials::{Constants, MaterialModel, SceneMaterial};
