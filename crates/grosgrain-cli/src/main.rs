@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use clap::Parser;
 use grosgrain_cli::arguments::Arguments;
 use grosgrain_cli::failure::Failure;
-use grosgrain_cli::interruption::{stoppable, watch};
+use grosgrain_cli::interruption::{is_interrupted, watch};
 use grosgrain_cli::progress::Progress;
 
 fn main() -> ExitCode {
@@ -25,5 +25,8 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
     pool.map_err(|error| Failure::Failed(format!("the threads cannot be started: {error}")))?;
     let progress = Progress::new(arguments.quiet);
-    stoppable(|| arguments.command.run(&progress))
+    let result = arguments.command.run(&progress);
+    progress.close();
+    // Whatever stage stopped, the user's Ctrl-C is the reason.
+    if result.is_err() && is_interrupted() { Err(Failure::Interrupted) } else { result }
 }

@@ -3,7 +3,9 @@
 use std::fmt;
 use std::str::FromStr;
 
-use crate::scene::{TrainingDomain, nearest};
+use grosgrain::training::TrainingKind;
+
+use crate::scene::nearest;
 
 /// A way to model the body of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,7 +17,7 @@ pub enum Method {
     /// Coarse trilinear elements of volume-averaged material.
     Average,
     /// Shape functions fitted to training data.
-    Coarsened(TrainingDomain),
+    Coarsened(TrainingKind),
 }
 
 /// Why a name is no method.
@@ -44,9 +46,9 @@ impl Method {
         ("fine", Self::Fine),
         ("trilinear", Self::Trilinear),
         ("average", Self::Average),
-        ("global", Self::Coarsened(TrainingDomain::Global)),
-        ("one-ring", Self::Coarsened(TrainingDomain::OneRing)),
-        ("single-cell", Self::Coarsened(TrainingDomain::SingleCell)),
+        ("global", Self::Coarsened(TrainingKind::Global)),
+        ("one-ring", Self::Coarsened(TrainingKind::OneRing)),
+        ("single-cell", Self::Coarsened(TrainingKind::SingleCell)),
     ];
 
     /// Its name.
@@ -55,9 +57,9 @@ impl Method {
             Self::Fine => "fine",
             Self::Trilinear => "trilinear",
             Self::Average => "average",
-            Self::Coarsened(TrainingDomain::Global) => "global",
-            Self::Coarsened(TrainingDomain::OneRing) => "one-ring",
-            Self::Coarsened(TrainingDomain::SingleCell) => "single-cell",
+            Self::Coarsened(TrainingKind::Global) => "global",
+            Self::Coarsened(TrainingKind::OneRing) => "one-ring",
+            Self::Coarsened(TrainingKind::SingleCell) => "single-cell",
         }
     }
 }
@@ -98,7 +100,7 @@ mod tests {
         for (name, method) in Method::ALL {
             assert_eq!((method.name(), name.parse()), (name, Ok(method)));
         }
-        assert_eq!("one-ring+6".parse(), Ok(Method::Coarsened(TrainingDomain::OneRing)));
+        assert_eq!("one-ring+6".parse(), Ok(Method::Coarsened(TrainingKind::OneRing)));
     }
 
     #[test]

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use crate::interruption::stop_here_if_asked;
+use crate::interruption::is_interrupted;
 use crate::quantities::{count, seconds};
 
 /// How often plain lines are written within a stage.
@@ -28,6 +28,8 @@ struct Stage {
     total: usize,
     start: Instant,
     last_line: Instant,
+    /// How long it took, once its last piece is done.
+    duration: Option<Duration>,
 }
 
 impl Progress {
@@ -44,29 +46,38 @@ impl Progress {
 
     /// Takes the report of a stage: `done` of `total` pieces; may be called from any thread.
     ///
-    /// This is where an interrupted run stops.
-    pub fn report(&self, name: &'static str, done: usize, total: usize) {
-        stop_here_if_asked();
-        let Ok(mut stage) = self.stage.lock() else { return };
+    /// Returns `false` if the user has interrupted the run: the work is to stop.
+    pub fn report(&self, name: &'static str, done: usize, total: usize) -> bool {
+        let Ok(mut stage) = self.stage.lock() else { return !is_interrupted() };
         if stage.as_ref().is_none_or(|s| s.name != name) {
             self.finish(stage.take());
             *stage = Some(self.start(name, total));
         }
         match (&self.voice, stage.as_mut()) {
-            (Voice::Bar(bar), _) => bar.set_position(done as u64),
+            (Voice::Bar(bar), _) => bar.set_position(bar.position().max(done as u64)),
             (Voice::Plain, Some(stage)) if stage.last_line.elapsed() >= PLAIN_INTERVAL => {
                 stage.last_line = Instant::now();
                 eprintln!("{name}: {} of {}", count(done), count(total));
             }
             _ => {}
         }
-        if done >= total {
-            self.finish(stage.take());
+        if let Some(stage) = stage.as_mut().filter(|stage| done >= total && stage.duration.is_none()) {
+            stage.duration = Some(stage.start.elapsed());
         }
+        !is_interrupted()
+    }
+
+    /// Ends the running stage: its line is told if it was completed, and its bar goes.
+    ///
+    /// A stage ends here or with the next one, not with its last piece: other threads may still report earlier ones.
+    pub fn close(&self) {
+        let stage = self.stage.lock().map_or(None, |mut stage| stage.take());
+        self.finish(stage);
     }
 
     /// Tells the user a sentence.
     pub fn say(&self, sentence: &str) {
+        self.close();
         match &self.voice {
             Voice::Silent => {}
             Voice::Plain => eprintln!("{sentence}"),
@@ -76,6 +87,7 @@ impl Progress {
 
     /// Warns the user, with `--quiet` too.
     pub fn warn(&self, sentence: &str) {
+        self.close();
         let line = format!("warning: {sentence}");
         match &self.voice {
             Voice::Bar(bar) => bar.suspend(|| eprintln!("{line}")),
@@ -91,20 +103,16 @@ impl Progress {
             bar.set_message(name);
         }
         let now = Instant::now();
-        Stage { name, total, start: now, last_line: now }
+        Stage { name, total, start: now, last_line: now, duration: None }
     }
 
     fn finish(&self, stage: Option<Stage>) {
         let Some(stage) = stage else { return };
-        let line =
-            format!("{}: {} in {}", stage.name, count(stage.total), seconds(stage.start.elapsed().as_secs_f64()));
-        match &self.voice {
-            Voice::Silent => {}
-            Voice::Plain => eprintln!("{line}"),
-            Voice::Bar(bar) => {
-                bar.finish_and_clear();
-                eprintln!("{line}");
-            }
+        if let Voice::Bar(bar) = &self.voice {
+            bar.finish_and_clear();
+        }
+        if let (Some(duration), false) = (stage.duration, matches!(self.voice, Voice::Silent)) {
+            eprintln!("{}: {} in {}", stage.name, count(stage.total), seconds(duration.as_secs_f64()));
         }
     }
 }
@@ -112,4 +120,26 @@ impl Progress {
 fn style() -> ProgressStyle {
     let template = "{msg} {bar:30} {human_pos} of {human_len}, {per_sec}, {eta} left";
     ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_stage_stays_until_the_next_so_that_late_reports_of_other_threads_start_none() {
+        let progress = Progress::new(true);
+        let stage = |progress: &Progress| {
+            progress.stage.lock().unwrap().as_ref().map(|s| (s.name, s.total, s.duration.is_some()))
+        };
+        assert!(progress.report("training", 1, 8));
+        assert_eq!(stage(&progress), Some(("training", 8, false)));
+        assert!(progress.report("training", 8, 8));
+        assert!(progress.report("training", 7, 8));
+        assert_eq!(stage(&progress), Some(("training", 8, true)));
+        assert!(progress.report("fitting", 0, 4));
+        assert_eq!(stage(&progress), Some(("fitting", 4, false)));
+        progress.close();
+        assert_eq!(stage(&progress), None);
+    }
 }

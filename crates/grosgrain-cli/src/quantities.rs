@@ -29,7 +29,7 @@ pub fn bytes(n: f64) -> String {
     }
 }
 
-/// A duration: `0.8 ms`, `3.2 s`, `4 min 10 s`.
+/// A duration: `5 µs`, `1.2 ms`, `3.2 s`, `4 min 10 s`.
 pub fn seconds(s: f64) -> String {
     match s {
         s if s < 1e-3 => format!("{:.0} µs", 1e6 * s),
@@ -89,7 +89,7 @@ mod tests {
     #[test]
     fn sizes_and_times_have_the_unit_that_fits() {
         assert_eq!([0.0, 999.0, 1500.0, 6.04e8, 1.2e10].map(bytes), ["0 B", "999 B", "1.5 kB", "604 MB", "12 GB"]);
-        assert_eq!([5e-6, 0.0008, 3.21, 250.0].map(seconds), ["5 µs", "0.8 ms", "3.2 s", "4 min 10 s"]);
+        assert_eq!([5e-6, 0.0012, 3.21, 250.0].map(seconds), ["5 µs", "1.2 ms", "3.2 s", "4 min 10 s"]);
     }
 
     #[test]

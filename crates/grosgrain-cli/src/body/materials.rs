@@ -16,10 +16,9 @@ const LAW_NAME: &str = "modulus law";
 /// Young's modulus [Pa] of a table entry whose modulus is given voxel by voxel; never used in a computation.
 const PLACEHOLDER_YOUNG: f64 = 1.0;
 
-/// The material of `label` if it brings its own Young modulus.
-pub fn own_constants(scene: &Scene, label: Label) -> Option<&SceneMaterial> {
-    let own = |m: &&SceneMaterial| m.label == label && matches!(m.constants, Constants::Given(_));
-    scene.materials.iter().find(own)
+/// Whether the material of `label` gives all its constants itself.
+pub fn has_own_constants(scene: &Scene, label: Label) -> bool {
+    scene.materials.iter().any(|m| m.label == label && m.own_elasticity().is_some())
 }
 
 fn law_poisson(scene: &Scene) -> Option<f64> {
@@ -66,7 +65,7 @@ pub fn fill_fields(scene: &Scene, grid: &mut VoxelGrid) {
     let by_label: BTreeMap<Label, &SceneMaterial> = scene.materials.iter().map(|m| (m.label, m)).collect();
     if let Some(young) = &mut grid.young {
         for (value, label) in young.iter_mut().zip(&grid.labels) {
-            if let Some(Constants::Given(Elasticity::Isotropic(own))) = by_label.get(label).map(|m| m.constants) {
+            if let Some(Elasticity::Isotropic(own)) = by_label.get(label).and_then(|m| m.own_elasticity()) {
                 *value = own.young();
             }
         }
@@ -82,9 +81,9 @@ pub fn fill_fields(scene: &Scene, grid: &mut VoxelGrid) {
 pub fn table(scene: &Scene, grid: &VoxelGrid) -> Result<MaterialTable, Failure> {
     let mut table = MaterialTable::new();
     for material in &scene.materials {
-        let elasticity = match material.constants {
-            Constants::Given(elasticity) => elasticity,
-            Constants::YoungPerVoxel { poisson } => placeholder(scene, poisson)?,
+        let elasticity = match &material.constants {
+            Constants::Given(elasticity) => **elasticity,
+            Constants::YoungPerVoxel { poisson } => placeholder(scene, *poisson)?,
         };
         let density = material.density.unwrap_or(0.0);
         table.insert(material.label, Material { name: material.name.clone(), elasticity, density });

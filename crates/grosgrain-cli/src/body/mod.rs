@@ -53,7 +53,7 @@ pub fn build_body(scene: &Scene) -> Result<Body, Failure> {
 
 /// The sentence for an error of the library under the key that caused it.
 fn unusable(scene: &Scene, key: &str, error: impl std::fmt::Display) -> Failure {
-    Failure::Unusable(format!("{}: {key}: {error}", scene.file.display()))
+    scene.unusable(key, error).into()
 }
 
 /// Which label wins where two fill a resampled cell equally: the one that the rules name first.

@@ -42,7 +42,7 @@ pub fn read_grid(scene: &Scene) -> Result<(VoxelGrid, Option<Volume>), Failure> 
 
 fn spacing(scene: &Scene, path: &Path, volume: &Volume) -> Result<[f64; 3], Failure> {
     let expected = "carries no voxel size; expected three positive numbers in metres per voxel";
-    let missing = || unusable(scene, "body.spacing is missing", format!("{} {expected}", path.display()));
+    let missing = || unusable(scene, "body.spacing", format!("{} {expected}", path.display()));
     scene.body.spacing.or(volume.spacing).ok_or_else(missing)
 }
 
@@ -107,9 +107,9 @@ fn apply_law(
     grid: &mut VoxelGrid,
 ) -> Result<(), Failure> {
     let field = law.apply(volume, floor).map_err(|error| unusable(scene, key, error))?;
-    let takes_own = |label: Label| super::materials::own_constants(scene, label).is_some();
+    let gives_own = |label: Label| super::materials::has_own_constants(scene, label);
     for (cell, void) in grid.void.iter_mut().enumerate() {
-        *void |= field.void[cell] && !takes_own(grid.labels[cell]);
+        *void |= field.void[cell] && !gives_own(grid.labels[cell]);
     }
     grid.young = Some(field.young);
     grid.density = field.density;

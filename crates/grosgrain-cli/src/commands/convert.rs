@@ -3,13 +3,17 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use grosgrain::io::{VolumeFormat, read_volume, write_volume};
+use grosgrain::io::{read_volume, write_volume};
 
 use crate::failure::Failure;
-use crate::interruption::stop_here_if_asked;
+use crate::interruption;
 use crate::progress::Progress;
 use crate::quantities::{bytes, triple_count};
 use crate::results;
+use crate::scene::alternatives;
+
+/// The extensions of the formats that are written.
+const WRITABLE: [&str; 6] = [".nii", ".nii.gz", ".nrrd", ".mha", ".mhd", ".npy"];
 
 const EXAMPLES: &str = "Examples:
   grosgrain convert scan.nii.gz scan.nrrd
@@ -48,7 +52,7 @@ pub fn run(arguments: &Arguments, progress: &Progress) -> Result<(), Failure> {
     progress.say(&format!("reading {}", input.display()));
     let mut volume = read_volume(input)?;
     volume.spacing = arguments.spacing.or(volume.spacing);
-    stop_here_if_asked();
+    interruption::check()?;
     progress.say(&format!("writing {}", output.display()));
     write_volume(output, &volume)?;
     let size = std::fs::metadata(output).map_or(0.0, |m| m.len() as f64);
@@ -59,15 +63,32 @@ fn check_paths(input: &Path, output: &Path, overwrite: bool) -> Result<(), Failu
     if !input.exists() {
         return Err(Failure::Unusable(format!("{} does not exist; expected a volume", input.display())));
     }
-    if VolumeFormat::of_name(output).is_none() {
+    let name = output.to_string_lossy().to_lowercase();
+    if !WRITABLE.iter().any(|extension| name.ends_with(extension)) {
         return Err(Failure::Unusable(format!(
-            "{} has no extension of a volume format; expected .nii, .nii.gz, .nrrd, .mha, .mhd, .tif or .npy",
-            output.display()
+            "{} has no extension of a format that is written; expected {}",
+            output.display(),
+            alternatives(&WRITABLE.map(String::from))
         )));
     }
-    let same = std::fs::canonicalize(input).ok().zip(std::fs::canonicalize(output).ok()).is_some_and(|(a, b)| a == b);
+    let files = written_files(output, &name);
+    files.iter().try_for_each(|file| check_output(input, file, overwrite))
+}
+
+/// The files that writing `output` makes: a MetaImage header has its voxels beside it.
+fn written_files(output: &Path, name: &str) -> Vec<PathBuf> {
+    match name.ends_with(".mhd") {
+        true => vec![output.to_path_buf(), output.with_extension("raw")],
+        false => vec![output.to_path_buf()],
+    }
+}
+
+fn check_output(input: &Path, output: &Path, overwrite: bool) -> Result<(), Failure> {
+    let place = |path: &Path| std::fs::canonicalize(path).ok();
+    let is_input = place(input).zip(place(output)).is_some_and(|(a, b)| a == b);
+    let same = is_input || place(&input.with_extension("raw")).zip(place(output)).is_some_and(|(a, b)| a == b);
     if same {
-        let sentence = "is the input and is never overwritten; expected another name for the output";
+        let sentence = "belongs to the input and is never overwritten; expected another name for the output";
         return Err(Failure::Unusable(format!("{} {sentence}", output.display())));
     }
     if output.exists() && !overwrite {

@@ -1,37 +1,9 @@
 //! How the body is coarsened, and what kind of run is made: `[coarsening]` and `[time]`.
 
+use grosgrain::coarsening::{BaseKind, Objective};
+use grosgrain::training::TrainingKind;
+
 use super::document::{Item, Noted, Reading};
-
-/// The domain that a coarse cell is trained on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum TrainingDomain {
-    /// The whole body.
-    Global,
-    /// The 3×3×3 coarse cells around the cell.
-    OneRing,
-    /// The cell alone.
-    SingleCell,
-}
-
-/// The shape functions that the training data correct.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Base {
-    /// The discrete harmonic extension of the corner values.
-    Harmonic,
-    /// Trilinear interpolation of the corner values.
-    Trilinear,
-    /// The cell's own elastic extension of trilinear face data.
-    Material,
-}
-
-/// How the optimum of the shape functions is found.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Objective {
-    /// By its closed form.
-    ClosedForm,
-    /// By one sparse constrained minimisation for each cell.
-    Coupled,
-}
 
 /// The `[coarsening]` table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,9 +11,9 @@ pub struct Coarsening {
     /// Fine cells along an edge of a coarse cell.
     pub degree: usize,
     /// Where the training data come from.
-    pub training: TrainingDomain,
+    pub training: TrainingKind,
     /// The base of the shape functions.
-    pub base: Base,
+    pub base: BaseKind,
     /// How the shape functions are found.
     pub objective: Objective,
 }
@@ -57,27 +29,28 @@ pub fn read_coarsening(item: &Item) -> Reading<Coarsening> {
         6 => Ok(()),
         _ => Err(not_yet(fields, "6")),
     });
-    let bases = [("harmonic", Base::Harmonic), ("trilinear", Base::Trilinear), ("material", Base::Material)];
+    let bases =
+        [("harmonic", BaseKind::Harmonic), ("trilinear", BaseKind::Trilinear), ("material", BaseKind::Material)];
     let base = section.optional("base", |base| base.choice(&bases));
     let objectives = [("closed-form", Objective::ClosedForm), ("coupled", Objective::Coupled)];
     let objective = section.optional("objective", |objective| objective.choice(&objectives));
     fields?;
     Ok(Coarsening {
         degree: degree?,
-        training: training?.unwrap_or(TrainingDomain::OneRing),
-        base: base?.unwrap_or(Base::Harmonic),
+        training: training?.unwrap_or(TrainingKind::OneRing),
+        base: base?.unwrap_or(BaseKind::Harmonic),
         objective: objective?.unwrap_or(Objective::ClosedForm),
     })
 }
 
-fn read_training(item: &Item) -> Reading<TrainingDomain> {
+fn read_training(item: &Item) -> Reading<TrainingKind> {
     if item.says("substructured") || item.says("auto") {
         return Err(not_yet(item, "\"one-ring\", \"global\" or \"single-cell\""));
     }
     let choices = [
-        ("one-ring", TrainingDomain::OneRing),
-        ("global", TrainingDomain::Global),
-        ("single-cell", TrainingDomain::SingleCell),
+        ("one-ring", TrainingKind::OneRing),
+        ("global", TrainingKind::Global),
+        ("single-cell", TrainingKind::SingleCell),
     ];
     item.choice(&choices)
 }
@@ -103,5 +76,5 @@ fn belongs_to_dynamic(item: &Item) -> Reading<()> {
 }
 
 fn not_yet(item: &Item, instead: &str) -> Noted {
-    item.refuse(&format!("{instead} in this version"))
+    item.refuse_for_now(instead)
 }

@@ -54,7 +54,11 @@ fn refuse_missing_materials(root: &Section, scene: &Scene) -> Reading<()> {
     match missing.is_empty() {
         true => Ok(()),
         false => Err(root.note_at(
-            &["body", "labels"],
+            if root.get("body").is_some_and(|body| body.child("pattern").is_some()) {
+                &["body", "pattern", "labels"]
+            } else {
+                &["body", "labels"]
+            },
             format!(
                 "the body has {noun} {} without a material; expected a table [materials.NAME] with label = {}",
                 enumeration(&missing),
@@ -113,7 +117,7 @@ fn refuse_mixed_stiffness(root: &Section, scene: &Scene) -> Reading<()> {
     if scene.body.modulus.is_none() {
         return Ok(());
     }
-    let is_mixed = |m: &&SceneMaterial| matches!(m.constants, Constants::Given(Elasticity::Anisotropic(_)));
+    let is_mixed = |m: &&SceneMaterial| m.own_elasticity().is_some_and(|e| matches!(e, Elasticity::Anisotropic(_)));
     let refuse = |m: &SceneMaterial| {
         let sentence = "is given in a body with a Young modulus per voxel; expected young and poisson";
         Err(root.note_at(&["materials", &m.name, "stiffness"], format!("materials.{}.stiffness {sentence}", m.name)))

@@ -30,9 +30,14 @@ impl<'s> Document<'s> {
         Self { text, folder, problems: RefCell::default() }
     }
 
+    /// The line, from 1, of the byte at `at`.
+    pub fn line(&self, at: usize) -> usize {
+        1 + self.text[..at].bytes().filter(|b| *b == b'\n').count()
+    }
+
     /// Notes a problem at the byte range `at`.
     pub fn note(&self, at: Range<usize>, sentence: String) -> Noted {
-        let line = 1 + self.text[..at.start].bytes().filter(|b| *b == b'\n').count();
+        let line = self.line(at.start);
         self.problems.borrow_mut().push(Problem { line, sentence });
         Noted
     }
@@ -68,6 +73,11 @@ impl<'s> Item<'s> {
     /// Notes that this value is not what is `expected`.
     pub fn refuse(&self, expected: &str) -> Noted {
         self.note(format!("{} is {}; expected {expected}", self.key, self.found()))
+    }
+
+    /// Notes that this value means something, but nothing that this version can do.
+    pub fn refuse_for_now(&self, instead: &str) -> Noted {
+        self.note(format!("{} is {}, which this version cannot do; expected {instead}", self.key, self.found()))
     }
 
     /// Notes a sentence at this value.
@@ -151,6 +161,22 @@ impl<'s> Item<'s> {
         self.value.get_ref().as_str() == Some(text)
     }
 
+    /// The full keys of this value and of all below it, each with its line.
+    pub fn lines(&self) -> Vec<(String, usize)> {
+        let children: Vec<Item> = match self.value.get_ref() {
+            DeValue::Table(_) => self.named_entries("").into_iter().flatten().map(|(_, item)| item).collect(),
+            DeValue::Array(items) => self.items(items),
+            _ => Vec::new(),
+        };
+        let own = (self.key.clone(), self.document.line(self.value.span().start));
+        std::iter::once(own).chain(children.iter().flat_map(Item::lines)).collect()
+    }
+
+    fn items(&self, items: &'s toml::de::DeArray<'s>) -> Vec<Item<'s>> {
+        let item = |(n, value)| Item::new(self.document, format!("{}[{n}]", self.key), value);
+        items.iter().enumerate().map(item).collect()
+    }
+
     /// Whether the value is a text.
     pub fn is_text(&self) -> bool {
         self.value.get_ref().is_str()
@@ -193,8 +219,7 @@ impl<'s> Item<'s> {
     pub fn list(&self, expected: &str) -> Reading<Vec<Item<'s>>> {
         let items = self.value.get_ref().as_array().filter(|items| !items.is_empty());
         let items = items.ok_or_else(|| self.refuse(expected))?;
-        let item = |(n, value)| Item::new(self.document, format!("{}[{n}]", self.key), value);
-        Ok(items.iter().enumerate().map(item).collect())
+        Ok(self.items(items))
     }
 
     /// A list of exactly `N` items, each read by `read`; `expected` names what the list must be.

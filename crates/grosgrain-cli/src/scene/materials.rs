@@ -19,10 +19,10 @@ pub enum MaterialModel {
 }
 
 /// The elastic constants that a material gives.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Constants {
     /// All constants.
-    Given(Elasticity),
+    Given(Box<Elasticity>),
     /// Poisson's ratio; Young's modulus comes from the body, voxel by voxel.
     YoungPerVoxel {
         /// Poisson's ratio.
@@ -43,6 +43,16 @@ pub struct SceneMaterial {
     pub constants: Constants,
     /// Density [kg/m³]; `None` where the scene gives none.
     pub density: Option<f64>,
+}
+
+impl SceneMaterial {
+    /// Its elasticity, if the material gives all constants itself.
+    pub fn own_elasticity(&self) -> Option<&Elasticity> {
+        match &self.constants {
+            Constants::Given(elasticity) => Some(elasticity),
+            Constants::YoungPerVoxel { .. } => None,
+        }
+    }
 }
 
 const KEYS: &[&str] = &["label", "model", "young", "poisson", "stiffness", "density"];
@@ -93,7 +103,7 @@ fn read_constants(section: &Section, young_per_voxel: bool) -> Reading<Constants
     section.exclusive(&["young", "stiffness"], "give young and poisson, or stiffness")?;
     section.exclusive(&["poisson", "stiffness"], "give young and poisson, or stiffness")?;
     if let Some(stiffness) = section.get("stiffness") {
-        return read_stiffness(&stiffness).map(|t| Constants::Given(Elasticity::Anisotropic(t)));
+        return read_stiffness(&stiffness).map(|t| Constants::Given(Box::new(Elasticity::Anisotropic(t))));
     }
     let young = section.optional("young", |e| e.number_where("a positive finite number of pascals", |v| v > 0.0));
     let poisson = section.required("poisson", POISSON, |nu| nu.number_where(POISSON, |v| v > -1.0 && v < 0.5));
@@ -102,7 +112,7 @@ fn read_constants(section: &Section, young_per_voxel: bool) -> Reading<Constants
         None if young_per_voxel => Ok(Constants::YoungPerVoxel { poisson }),
         None => Err(section.missing("young", "a positive finite number of pascals")),
         Some(young) => match IsotropicMaterial::new(young, poisson) {
-            Ok(material) => Ok(Constants::Given(Elasticity::Isotropic(material))),
+            Ok(material) => Ok(Constants::Given(Box::new(Elasticity::Isotropic(material)))),
             Err(error) => Err(section.note(format!("{}: {error}", section.key()))),
         },
     }

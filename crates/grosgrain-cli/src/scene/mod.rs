@@ -16,12 +16,13 @@ mod problem;
 mod section;
 mod selector;
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use toml::de::DeTable;
 
 pub use body::{Body, Keep, Source, VoxelModulus};
-pub use coarsening::{Base, Coarsening, Objective, TrainingDomain};
+pub use coarsening::Coarsening;
 pub use conditions::{Fix, Load, LoadKind};
 pub use labels::Labelling;
 pub use materials::{Constants, MaterialModel, SceneMaterial};
@@ -52,6 +53,8 @@ pub struct Scene {
     pub loads: Vec<Load>,
     /// What a run writes.
     pub output: Output,
+    /// The line of every key, so that what only the files show can name its place.
+    pub lines: BTreeMap<String, usize>,
     /// Sentences for the user about what is accepted but not as it may seem.
     pub warnings: Vec<String>,
 }
@@ -108,6 +111,7 @@ fn read_root<'s>(document: &'s Document<'s>, table: &'s toml::Spanned<DeTable<'s
         fixes: fixes?.unwrap_or_default(),
         loads: loads?.unwrap_or_default(),
         output: output?.unwrap_or_default(),
+        lines: root.entries().iter().flat_map(|(_, item)| item.lines()).collect(),
         warnings: Vec::new(),
     };
     consistency::check(&root, &scene)?;
@@ -132,10 +136,21 @@ fn refuse_what_comes_later(root: &Section) -> Reading<()> {
         Some(item) => Err(item.note(format!("{name} asks for {what}, which this version cannot do; leave it out"))),
     };
     let edit = refuse("edit", "changes during the run");
-    let contact: Result<(), Noted> = refuse("contact", "contact");
+    let contact: Result<(), Noted> = refuse("contact", "contact with a ground");
     edit.and(contact)
 }
 
 fn stem(file: &Path) -> String {
     file.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned())
+}
+
+impl Scene {
+    /// What makes the scene unusable at `key`, with the line of the key or of the nearest table around it.
+    pub fn unusable(&self, key: &str, sentence: impl std::fmt::Display) -> SceneError {
+        let ends = key.char_indices().filter(|(_, c)| ['.', '['].contains(c)).map(|(at, _)| at);
+        let around = std::iter::once(key).chain(ends.collect::<Vec<_>>().into_iter().rev().map(|at| &key[..at]));
+        let line = around.filter_map(|key| self.lines.get(key)).next().copied().unwrap_or(1);
+        let problems = vec![Problem { line, sentence: format!("{key}: {sentence}") }];
+        SceneError::Unusable { file: self.file.clone(), problems }
+    }
 }

@@ -10,7 +10,7 @@ use clap::Args;
 use serde::Serialize;
 
 use crate::failure::Failure;
-use crate::interruption::stop_here_if_asked;
+use crate::interruption;
 use crate::progress::Progress;
 use crate::results;
 
@@ -51,7 +51,7 @@ pub fn run(arguments: &Arguments, progress: &Progress) -> Result<(), Failure> {
     let mut entries = Vec::new();
     let mut failures = Vec::new();
     for file in &arguments.files {
-        stop_here_if_asked();
+        interruption::check()?;
         match inspect(file, progress) {
             Ok(contents) if arguments.json => entries.push(Entry { file: file.clone(), contents }),
             Ok(contents) => results::print(&format!("{}\n{}", file.display(), results::table(&contents.rows())))?,
