@@ -23,7 +23,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     std::fs::create_dir_all(&folder)?;
     let (fine, coarse) = (fine_panel(), coarse_panel());
     let footer = vec![
-        "Beam 160 × 40 × 40 mm, clamped at the left end, under its own weight. Layers at 45°, E ratio 50, ν = 0.45.".into(),
+        "Beam 160 × 40 × 40 mm, clamped at the left end, under its own weight. Layers at 45°, E ratio 50, ν = 0.45."
+            .into(),
     ];
     let two = Figure {
         title: "A two-material beam and its coarse model".into(),
@@ -79,7 +80,8 @@ fn coarse_panel() -> Panel {
     let (surface, _) = beam_surface(coarse_deformed);
     let (fine, _) = beam_surface(deformed);
     let largest = distance(deformed([LENGTH, 0.0, 0.0]), [LENGTH, 0.0, 0.0]);
-    let error = surface.positions.iter().zip(&fine.positions).map(|(a, b)| 100.0 * distance(*a, *b) / largest).collect();
+    let error =
+        surface.positions.iter().zip(&fine.positions).map(|(a, b)| 100.0 * distance(*a, *b) / largest).collect();
     let label = "|u coarse − u fine| [% of max |u fine|]".into();
     let scale = ColourScale { label, map: ColourMap::Magma, reversed: true, range: None };
     Panel {
@@ -173,7 +175,8 @@ fn coarse_edges() -> Vec<[Point; 2]> {
     let at = |i: [usize; 3]| coarse_deformed(i.map(|i| (i * DEGREE) as f64 * spacing()));
     let mut lines = Vec::new();
     for index in 0..(count[0] + 1) * (count[1] + 1) * (count[2] + 1) {
-        let i = [index % (count[0] + 1), index / (count[0] + 1) % (count[1] + 1), index / (count[0] + 1) / (count[1] + 1)];
+        let i =
+            [index % (count[0] + 1), index / (count[0] + 1) % (count[1] + 1), index / (count[0] + 1) / (count[1] + 1)];
         for axis in 0..3 {
             let outside = (0..3).any(|a| a != axis && (i[a] == 0 || i[a] == count[a]));
             if outside && i[axis] < count[axis] {

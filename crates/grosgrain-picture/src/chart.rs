@@ -144,9 +144,8 @@ impl Chart {
         let u = theme.unit;
         for (at, series) in self.series.iter().enumerate() {
             let colour = CURVES[at % CURVES.len()];
-            let place = |p: &[f64; 2]| {
-                [plot.x + plot.width * x.place(p[0]), plot.y + plot.height * (1.0 - y.place(p[1]))]
-            };
+            let place =
+                |p: &[f64; 2]| [plot.x + plot.width * x.place(p[0]), plot.y + plot.height * (1.0 - y.place(p[1]))];
             let points: Vec<[f32; 2]> = series.points.iter().map(place).collect();
             for pair in points.windows(2) {
                 image.stroke(pair[0], pair[1], 4.0 * u, colour);

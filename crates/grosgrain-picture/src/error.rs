@@ -69,7 +69,9 @@ pub enum PictureError {
     #[error("a picture {0} pixels wide cannot be drawn; choose 400 to 8000 pixels")]
     Width(usize),
     /// The view has no direction.
-    #[error("the view direction {toward:?} with up {up:?} is not a view; both must be finite, nonzero and not parallel")]
+    #[error(
+        "the view direction {toward:?} with up {up:?} is not a view; both must be finite, nonzero and not parallel"
+    )]
     View {
         /// From the eye to the body.
         toward: [f64; 3],
@@ -80,7 +82,9 @@ pub enum PictureError {
     #[error("the chart \"{0}\" has no points")]
     EmptyChart(String),
     /// A point cannot be placed on its axes.
-    #[error("series \"{series}\", point {index} ({x}, {y}): coordinates must be finite, and positive on a logarithmic axis")]
+    #[error(
+        "series \"{series}\", point {index} ({x}, {y}): coordinates must be finite, and positive on a logarithmic axis"
+    )]
     ChartPoint {
         /// Name of the series.
         series: String,

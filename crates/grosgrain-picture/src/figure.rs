@@ -151,7 +151,9 @@ impl Panel {
                 let count = legend.len();
                 match of_quad.iter().enumerate().find(|(_, c)| **c as usize >= count) {
                     None => Ok(()),
-                    Some((quad, &index)) => Err(PictureError::Index { panel: at, quad, what: "category", index, count }),
+                    Some((quad, &index)) => {
+                        Err(PictureError::Index { panel: at, quad, what: "category", index, count })
+                    }
                 }
             }
             Colouring::Scalar { at_vertex, scale } => {

@@ -80,7 +80,8 @@ impl<'a> Layout<'a> {
         let inner = (card - 2.0 * padding).floor();
         let (view, scale) = fit(camera, inner, 0.48 * width);
         let title = theme.face.wrap(&figure.title, theme.title(), width - 2.0 * margin);
-        let footer = figure.footer.iter().flat_map(|f| theme.face.wrap(f, theme.small(), width - 2.0 * margin)).collect();
+        let footer =
+            figure.footer.iter().flat_map(|f| theme.face.wrap(f, theme.small(), width - 2.0 * margin)).collect();
         let mut layout =
             Self { theme, title, footer, columns, margin, gap, card, inner, view, scale, rows: vec![], height: 0.0 };
         layout.stack(figure);
@@ -101,7 +102,8 @@ impl<'a> Layout<'a> {
             y += card + self.gap;
         }
         y += lines_height(&self.footer, self.theme.small()) + if self.footer.is_empty() { 0.0 } else { 6.0 * u };
-        self.height = (y - self.gap + if self.footer.is_empty() { self.margin } else { 0.72 * self.margin + self.gap }).ceil();
+        self.height =
+            (y - self.gap + if self.footer.is_empty() { self.margin } else { 0.72 * self.margin + self.gap }).ceil();
     }
 
     /// The lines over a panel's view, each with its style and height.

@@ -24,7 +24,8 @@ const STRENGTH: f64 = 3.5;
 pub(crate) fn sky_seen(relief: &Relief, radius: f64) -> Vec<f32> {
     let probes = probes(radius);
     let turn = |at: usize| (at % relief.width % 4) * 4 + (at / relief.width) % 4;
-    let raw: Vec<f32> = (0..relief.closeness.len()).map(|at| open_share(relief, at, radius, &probes[turn(at)])).collect();
+    let raw: Vec<f32> =
+        (0..relief.closeness.len()).map(|at| open_share(relief, at, radius, &probes[turn(at)])).collect();
     (0..raw.len()).map(|at| smoothed(relief, &raw, at, radius)).collect()
 }
 

@@ -142,7 +142,8 @@ mod tests {
     #[test]
     fn the_letters_a_mechanics_figure_needs_are_in_the_typeface() -> Result<(), PictureError> {
         let face = Typeface::load()?;
-        for letter in "aZ09%|‖±×−√∂∞≈≠≤≥εσμνλρΔΣΩ⁻⁰¹²³⁴⁵⁶⁷⁸⁹₀₁·…°→–é".chars() {
+        for letter in "aZ09%|‖±×−√∂∞≈≠≤≥εσμνλρΔΣΩ⁻⁰¹²³⁴⁵⁶⁷⁸⁹₀₁·…°→–é".chars()
+        {
             for weight in [Weight::Regular, Weight::SemiBold] {
                 assert_ne!(face.font(weight).glyph_id(letter), GlyphId(0), "{letter}");
             }

@@ -64,7 +64,8 @@ fn a_cube_seen_from_the_front_is_a_square_of_its_front_colour() -> Result<(), Pi
 fn a_body_behind_another_is_hidden() -> Result<(), PictureError> {
     let (front, back) = (cube([0.0, 0.0, 0.0], 1.0), cube([0.2, 2.0, 0.2], 0.6));
     let colours = |a: u32, b: u32| [[a; 6], [b; 6]].concat();
-    for panel in [by_face(join(front.clone(), back.clone()), colours(0, 1)), by_face(join(back, front), colours(1, 0))] {
+    for panel in [by_face(join(front.clone(), back.clone()), colours(0, 1)), by_face(join(back, front), colours(1, 0))]
+    {
         let image = Figure { view: Some(FRONT), ..figure(panel) }.render()?;
         let swatch = extent(&image, BLUE).1;
         // Only the legend's swatch, 24 of 1800 units wide, is blue.
@@ -78,7 +79,8 @@ fn a_body_behind_another_is_hidden() -> Result<(), PictureError> {
 fn grid_lines_show_on_the_front_and_not_through_the_body() -> Result<(), PictureError> {
     let render = |y: f64| {
         let grid = vec![[[0.2, y, 0.3], [0.8, y, 0.3]], [[0.2, y, 0.7], [0.8, y, 0.7]]];
-        figure(Panel { surface: cube([0.0; 3], 1.0), colouring: Colouring::Plain(RED), grid, ..Panel::default() }).render()
+        figure(Panel { surface: cube([0.0; 3], 1.0), colouring: Colouring::Plain(RED), grid, ..Panel::default() })
+            .render()
     };
     let none = figure(Panel { surface: cube([0.0; 3], 1.0), colouring: Colouring::Plain(RED), ..Panel::default() });
     let (bare, drawn) = (none.render()?, render(0.0)?);
@@ -107,11 +109,8 @@ fn ends_of_the_colour_scale_take_the_ends_of_the_map() -> Result<(), PictureErro
 
 #[test]
 fn all_panels_share_one_scale() -> Result<(), PictureError> {
-    let panel = |side, colour| Panel {
-        surface: cube([0.0; 3], side),
-        colouring: Colouring::Plain(colour),
-        ..Panel::default()
-    };
+    let panel =
+        |side, colour| Panel { surface: cube([0.0; 3], side), colouring: Colouring::Plain(colour), ..Panel::default() };
     let figure = Figure { panels: vec![panel(1.0, RED), panel(0.5, BLUE)], width: 900, ..figure(panel(1.0, RED)) };
     let image = figure.render()?;
     let (large, small) = (extent(&image, RED).1[0], extent(&image, BLUE).1[0]);
@@ -141,8 +140,15 @@ fn long_texts_and_many_categories_stay_inside_the_picture() -> Result<(), Pictur
     let long = "a caption that is much longer than its panel is wide, and then some more of it ".repeat(4);
     let legend = (0..60).map(|i| Category::named(format!("material number {i}"))).collect();
     let colouring = Colouring::Category { of_quad: (0..6).collect(), legend };
-    let panel = Panel { caption: long.clone(), detail: long.clone(), surface: cube([0.0; 3], 1.0), colouring, ..Panel::default() };
-    let figure = Figure { title: long.clone(), panels: vec![panel; 5], footer: vec![long; 2], width: 900, ..Figure::default() };
+    let panel = Panel {
+        caption: long.clone(),
+        detail: long.clone(),
+        surface: cube([0.0; 3], 1.0),
+        colouring,
+        ..Panel::default()
+    };
+    let figure =
+        Figure { title: long.clone(), panels: vec![panel; 5], footer: vec![long; 2], width: 900, ..Figure::default() };
     let image = figure.render()?;
     let page = image.pixel(0, 0);
     for y in 0..image.height() {
@@ -168,7 +174,9 @@ fn what_cannot_be_drawn_is_refused_with_a_sentence() {
     let cube = || Panel { surface: cube([0.0; 3], 1.0), ..Panel::default() };
     let refusal = |panel: Panel| figure(panel).render().map_or_else(|e| e.to_string(), |_| "drawn".into());
 
-    assert!(refusal(Panel { caption: "left".into(), ..Panel::default() }).contains("\"left\") has no surface: 0 quads"));
+    assert!(
+        refusal(Panel { caption: "left".into(), ..Panel::default() }).contains("\"left\") has no surface: 0 quads")
+    );
     let mut broken = cube();
     broken.surface.positions[3][1] = f64::NAN;
     assert!(refusal(broken).starts_with("panel 0: a coordinate of vertex 3 is NaN"));
