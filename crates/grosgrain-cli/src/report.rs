@@ -35,6 +35,9 @@ pub struct Report {
     pub seconds: BTreeMap<String, f64>,
     /// How the equations were solved.
     pub solver: Solver,
+    /// How the fine model's equations were solved; absent where it did not run.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fine_solver: Option<Solver>,
     /// What changed during the run.
     pub edits: Vec<Edit>,
     /// The frames that were written.

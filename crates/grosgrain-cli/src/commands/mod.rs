@@ -1,7 +1,10 @@
 //! The commands, one file each.
 
+mod coarsen;
+mod compare;
 mod convert;
 mod inspect;
+mod simulate;
 
 use clap::Subcommand;
 
@@ -13,6 +16,12 @@ use crate::progress::Progress;
 pub enum Command {
     /// Says what volumes, scenes and models hold
     Inspect(inspect::Arguments),
+    /// Trains and fits the coarse model of a scene's body
+    Coarsen(coarsen::Arguments),
+    /// Runs a scene: coarsens its body, solves, writes frames, picture and report
+    Simulate(simulate::Arguments),
+    /// Runs the fine model and coarse methods on the same scene and tables their errors
+    Compare(compare::Arguments),
     /// Converts a volume from one format to another
     Convert(convert::Arguments),
 }
@@ -25,6 +34,9 @@ impl Command {
     pub fn run(&self, progress: &Progress) -> Result<(), Failure> {
         match self {
             Self::Inspect(arguments) => inspect::run(arguments, progress),
+            Self::Coarsen(arguments) => coarsen::run(arguments, progress),
+            Self::Simulate(arguments) => simulate::run(arguments, progress),
+            Self::Compare(arguments) => compare::run(arguments, progress),
             Self::Convert(arguments) => convert::run(arguments, progress),
         }
     }

@@ -1,0 +1,122 @@
+//! `compare`: the fine model and coarse models of the same scene, side by side.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use serde::Serialize;
+
+use crate::failure::Failure;
+use crate::interruption;
+use crate::method::Method;
+use crate::outcome::{FineRun, run_coarse, run_fine};
+use crate::problem::Problem;
+use crate::progress::Progress;
+use crate::quantities::{count, number, seconds};
+use crate::results;
+
+const EXAMPLES: &str = "Examples:
+  grosgrain compare scenes/beam-oblique.toml
+  grosgrain compare scenes/beam-along.toml --methods trilinear,one-ring,global --json errors.json";
+
+/// Energy ratios beyond this, or below its inverse, are told.
+const SUSPICIOUS_RATIO: f64 = 2.0;
+
+/// Arguments of `compare`.
+#[derive(Args, Clone, Debug)]
+#[command(after_help = EXAMPLES)]
+pub struct Arguments {
+    /// The scene, a TOML file
+    scene: PathBuf,
+    /// The methods, with commas between them: fine, trilinear, average, global, one-ring, single-cell; all without it
+    #[arg(long, value_delimiter = ',', value_name = "A,B")]
+    methods: Vec<Method>,
+    /// Write the table as JSON
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+/// One method's row.
+#[derive(Clone, Debug, Serialize)]
+struct Row {
+    method: String,
+    unknowns: usize,
+    error_percent: f64,
+    energy_ratio: f64,
+    build_seconds: f64,
+    solve_seconds: f64,
+}
+
+/// Runs every method and prints the table.
+pub fn run(arguments: &Arguments, progress: &Progress) -> Result<(), Failure> {
+    let problem = Problem::read(&arguments.scene, progress)?;
+    problem.require_support()?;
+    let methods = match arguments.methods.is_empty() {
+        true => Method::ALL.map(|(_, method)| method).to_vec(),
+        false => arguments.methods.clone(),
+    };
+    progress.say("solving the fine model");
+    let fine = run_fine(&problem, progress)?;
+    let mut rows = Vec::new();
+    for method in methods {
+        interruption::check()?;
+        rows.push(row(&problem, method, &fine, progress)?);
+    }
+    if let Some(json) = &arguments.json {
+        results::write_json(json, &rows)?;
+    }
+    let report = &fine.solution.report;
+    let solver = format!("fine model solved by {}: {}", report.kind, report.reason);
+    results::print(&format!("{}\n{}\n{solver}", problem.scene.title, table(&rows)))?;
+    warn_of_softness(&rows, progress);
+    Ok(())
+}
+
+fn row(problem: &Problem, method: Method, fine: &FineRun, progress: &Progress) -> Result<Row, Failure> {
+    if method == Method::Fine {
+        return Ok(Row {
+            method: method.name().into(),
+            unknowns: problem.fine_size().unknowns,
+            error_percent: 0.0,
+            energy_ratio: 1.0,
+            build_seconds: problem.seconds.values().sum(),
+            solve_seconds: fine.seconds,
+        });
+    }
+    progress.say(&format!("building the coarse model: {method}"));
+    let coarse = run_coarse(problem, method, progress)?;
+    let error = coarse.error(fine);
+    Ok(Row {
+        method: method.name().into(),
+        unknowns: coarse.size().unknowns,
+        error_percent: error.rms_percent,
+        energy_ratio: error.energy_ratio,
+        build_seconds: coarse.build_seconds(),
+        solve_seconds: coarse.seconds.get("solve").copied().unwrap_or_default(),
+    })
+}
+
+fn table(rows: &[Row]) -> String {
+    let heading = ["method", "unknowns", "error", "energy ratio", "build", "solve"].map(String::from);
+    let cells = rows.iter().map(|row| {
+        [
+            row.method.clone(),
+            count(row.unknowns),
+            format!("{:.2} %", row.error_percent),
+            number(row.energy_ratio),
+            seconds(row.build_seconds),
+            seconds(row.solve_seconds),
+        ]
+    });
+    results::columns(&std::iter::once(heading).chain(cells).collect::<Vec<_>>())
+}
+
+fn warn_of_softness(rows: &[Row], progress: &Progress) {
+    for row in rows.iter().filter(|row| row.energy_ratio > SUSPICIOUS_RATIO) {
+        progress.warn(&format!(
+            "{} stores {} times the fine model's energy, so it is much too soft: stiff parts may pass between its corners; \
+             compare with base = \"material\" or a smaller degree",
+            row.method,
+            number(row.energy_ratio)
+        ));
+    }
+}

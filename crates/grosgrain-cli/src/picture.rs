@@ -1,0 +1,211 @@
+//! The picture of a run: the deformed body, fine and coarse side by side.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+use grosgrain::coarse::CoarseModel;
+use grosgrain::io::write_atomically;
+use grosgrain::mesh::{BoundaryFace, Node, boundary_faces};
+use grosgrain_picture::{Category, ColourMap, ColourScale, Colouring, Figure, Lines, Panel, PictureError, QuadSurface};
+
+use crate::failure::Failure;
+use crate::method::Method;
+use crate::outcome::{CoarseRun, FineRun};
+use crate::problem::Problem;
+use crate::quantities::{count, number};
+
+/// Displacements between these shares of the body's size are drawn as they are; others are scaled to [`DRAWN_SHARE`].
+const TRUE_SHARES: [f64; 2] = [0.05, 0.3];
+const DRAWN_SHARE: f64 = 0.12;
+
+/// Draws the picture into `picture.png`.
+///
+/// # Errors
+/// A picture that cannot be drawn or written.
+pub fn write(
+    problem: &Problem,
+    method: Method,
+    (coarse, fine): (Option<&CoarseRun>, Option<&FineRun>),
+    folder: &Path,
+) -> Result<PathBuf, Failure> {
+    let path = folder.join("picture.png");
+    let failed = |error: PictureError| Failure::Failed(format!("{}: {error}", path.display()));
+    let image = figure(problem, method, coarse, fine).render().map_err(failed)?;
+    write_atomically(&path, |writer| image.write_png(writer)).map_err(failed)?;
+    Ok(path)
+}
+
+fn figure(problem: &Problem, method: Method, coarse: Option<&CoarseRun>, fine: Option<&FineRun>) -> Figure {
+    let exact = fine.map(|run| run.solution.displacement.as_slice());
+    let embedded = coarse.map(|run| run.solution.displacement.as_slice());
+    let drawing = Drawing::new(problem, exact.or(embedded).unwrap_or(&[]));
+    let mut panels = Vec::new();
+    if let Some(u) = exact {
+        panels.push(Panel {
+            caption: "Fine model".into(),
+            detail: format!("{} unknowns", count(problem.fine_size().unknowns)),
+            colouring: drawing.materials(),
+            ..drawing.panel(u)
+        });
+    }
+    if let Some((run, u)) = coarse.zip(embedded) {
+        panels.push(Panel {
+            caption: format!("Coarse model: {method}, degree {}", problem.scene.coarsening.degree),
+            detail: coarse_detail(run, fine),
+            colouring: exact.map_or_else(|| drawing.materials(), |exact| drawing.error(u, exact)),
+            grid: drawing.coarse_grid(&run.built.model, u),
+            ..drawing.panel(u)
+        });
+    }
+    let footer = vec![match drawing.scale == 1.0 {
+        true => "Displacements to scale.".to_owned(),
+        false => format!("Displacements drawn × {}.", number(drawing.scale)),
+    }];
+    Figure { title: problem.scene.title.clone(), panels, footer, ..Figure::default() }
+}
+
+fn coarse_detail(run: &CoarseRun, fine: Option<&FineRun>) -> String {
+    let unknowns = count(run.size().unknowns);
+    match fine.map(|fine| run.error(fine)) {
+        Some(error) => format!("{unknowns} unknowns, RMS error {:.1} %", error.rms_percent),
+        None => format!("{unknowns} unknowns"),
+    }
+}
+
+/// The body's surface and how displacements are drawn on it.
+struct Drawing<'a> {
+    problem: &'a Problem,
+    faces: Vec<BoundaryFace>,
+    nodes: Vec<Node>,
+    row_of: HashMap<Node, u32>,
+    scale: f64,
+}
+
+impl<'a> Drawing<'a> {
+    fn new(problem: &'a Problem, displacement: &[f64]) -> Self {
+        let grid = problem.model.grid();
+        let faces = boundary_faces(&grid.void, &grid.lattice);
+        let (mut nodes, mut row_of) = (Vec::new(), HashMap::new());
+        for node in faces.iter().flat_map(|face| face.corners) {
+            row_of.entry(node).or_insert_with(|| {
+                nodes.push(node);
+                nodes.len() as u32 - 1
+            });
+        }
+        let scale = scale_of(problem, displacement);
+        Self { problem, faces, nodes, row_of, scale }
+    }
+
+    fn position(&self, u: &[f64], node: Node) -> [f64; 3] {
+        let x = self.problem.model.node_position(node);
+        [0, 1, 2].map(|r| x[r] + self.scale * u[3 * node.0 + r])
+    }
+
+    fn panel(&self, u: &[f64]) -> Panel {
+        let positions = self.nodes.iter().map(|node| self.position(u, *node)).collect();
+        let quads = self.faces.iter().map(|face| face.corners.map(|node| self.row_of[&node])).collect();
+        Panel { surface: QuadSurface { positions, quads }, ghost: self.box_edges(), ..Panel::default() }
+    }
+
+    /// A colour per material, or Young's modulus where it is given voxel by voxel.
+    fn materials(&self) -> Colouring {
+        let grid = self.problem.model.grid();
+        if grid.young.is_some() {
+            return self.moduli();
+        }
+        let mut labels: Vec<i32> = self.faces.iter().map(|face| grid.labels[face.cell.0].0).collect();
+        let of_face = labels.clone();
+        labels.sort_unstable();
+        labels.dedup();
+        let name = |label: &i32| {
+            let material = self.problem.scene.materials.iter().find(|m| m.label.is_some_and(|l| l.0 == *label));
+            Category::named(material.map_or_else(|| format!("label {label}"), |m| m.name.clone()))
+        };
+        let of_quad = of_face.iter().map(|label| labels.binary_search(label).unwrap_or_default() as u32).collect();
+        Colouring::Category { of_quad, legend: labels.iter().map(name).collect() }
+    }
+
+    /// log₁₀ of Young's modulus, averaged over the faces at a node.
+    fn moduli(&self) -> Colouring {
+        let (mut sum, mut faces) = (vec![0.0; self.nodes.len()], vec![0.0; self.nodes.len()]);
+        for face in &self.faces {
+            let young = self.problem.model.young(face.cell).log10();
+            for node in face.corners {
+                let row = self.row_of[&node] as usize;
+                (sum[row], faces[row]) = (sum[row] + young, faces[row] + 1.0);
+            }
+        }
+        let at_vertex = sum.iter().zip(&faces).map(|(s, n)| s / n).collect();
+        let scale = ColourScale { label: "log₁₀ E [Pa]".into(), ..ColourScale::default() };
+        Colouring::Scalar { at_vertex, scale }
+    }
+
+    fn error(&self, u: &[f64], exact: &[f64]) -> Colouring {
+        let largest = largest_displacement(exact);
+        let error = |node: &Node| {
+            let square: f64 = (0..3).map(|r| (u[3 * node.0 + r] - exact[3 * node.0 + r]).powi(2)).sum();
+            100.0 * square.sqrt() / largest
+        };
+        let at_vertex = self.nodes.iter().map(error).collect();
+        let label = "|u coarse − u fine| [% of max |u fine|]".into();
+        Colouring::Scalar {
+            at_vertex,
+            scale: ColourScale { label, map: ColourMap::Magma, reversed: true, range: None },
+        }
+    }
+
+    /// Edges of surface faces that lie on faces of coarse cells.
+    fn coarse_grid(&self, coarse: &CoarseModel, u: &[f64]) -> Lines {
+        let degree = coarse.partition().degree();
+        let lattice = self.problem.model.grid().lattice;
+        let mut edges: Vec<[Node; 2]> = Vec::new();
+        for corners in self.faces.iter().map(|face| face.corners) {
+            for (a, b) in (0..4).map(|i| (corners[i], corners[(i + 1) % 4])) {
+                let (p, q) = (lattice.node_position(a), lattice.node_position(b));
+                let normal_axes =
+                    (0..3).filter(|&axis| corners.iter().any(|n| lattice.node_position(*n)[axis] != p[axis]));
+                if normal_axes.clone().any(|axis| p[axis] == q[axis] && p[axis] % degree == 0) {
+                    edges.push([a.min(b), a.max(b)]);
+                }
+            }
+        }
+        edges.sort_unstable();
+        edges.dedup();
+        edges.iter().map(|edge| edge.map(|node| self.position(u, node))).collect()
+    }
+
+    /// The twelve edges of the body's undeformed box.
+    fn box_edges(&self) -> Lines {
+        let grid = self.problem.model.grid();
+        let Some([low, high]) = grid.body_box() else { return Vec::new() };
+        let corner = |a: usize| grid.position([0, 1, 2].map(|i| if a >> i & 1 == 1 { high[i] } else { low[i] }));
+        let edges = (0..8).flat_map(|a| (0..3).map(move |axis| (a, a | 1 << axis))).filter(|(a, b)| a != b);
+        edges.map(|(a, b)| [corner(a), corner(b)]).collect()
+    }
+}
+
+fn largest_displacement(u: &[f64]) -> f64 {
+    u.chunks_exact(3).map(|v| v.iter().map(|x| x * x).sum::<f64>().sqrt()).fold(0.0, f64::max)
+}
+
+/// 1 where displacements are of a visible size; else the round factor (1, 2 or 5 times a power of ten) that makes them so.
+fn scale_of(problem: &Problem, displacement: &[f64]) -> f64 {
+    let grid = problem.model.grid();
+    let Some([low, high]) = grid.body_box() else { return 1.0 };
+    let size = (0..3).map(|a| grid.spacing[a] * (high[a] - low[a]) as f64).fold(0.0, f64::max);
+    let share = largest_displacement(displacement) / size;
+    if share == 0.0 || (TRUE_SHARES[0]..=TRUE_SHARES[1]).contains(&share) {
+        return 1.0;
+    }
+    let ideal = DRAWN_SHARE / share;
+    let power = 10f64.powf(ideal.log10().floor());
+    let leading = ideal / power;
+    power
+        * if leading >= 5.0 {
+            5.0
+        } else if leading >= 2.0 {
+            2.0
+        } else {
+            1.0
+        }
+}

@@ -1,0 +1,174 @@
+//! From a scene to what is solved: model, degree, fixed nodes, loads.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use grosgrain::coarse::BuildOptions;
+use grosgrain::fine::{FineModel, gravity, node_forces, traction};
+use grosgrain::mesh::{Label, Volume, VoxelGrid, loose_parts, pad_to_multiple};
+
+use crate::body::{build_body, held_nodes};
+use crate::failure::Failure;
+use crate::method::Method;
+use crate::progress::Progress;
+use crate::quantities::triple_count;
+use crate::report::ModelSize;
+use crate::scene::{Load, LoadKind, Scene, Source, VoxelModulus, read_scene};
+
+/// Label of the voids that fill the last coarse cells.
+const PADDING: Label = Label(-1);
+/// Loose parts that are told one by one.
+const TOLD_PARTS: usize = 3;
+
+/// A scene with its fine model.
+#[derive(Debug)]
+pub struct Problem {
+    /// The scene.
+    pub scene: Scene,
+    /// The fine model, padded to a multiple of the degree.
+    pub model: FineModel,
+    /// The volume that the body was read from, where there is one.
+    pub volume: Option<Volume>,
+    /// Which nodes of the lattice are fixed.
+    pub fixed: Vec<bool>,
+    /// Loads [N], three per lattice node.
+    pub loads: Vec<f64>,
+    /// Seconds per stage so far.
+    pub seconds: BTreeMap<String, f64>,
+}
+
+impl Problem {
+    /// Reads a scene and makes its fine model.
+    ///
+    /// # Errors
+    /// Everything that is wrong with the scene or its files.
+    pub fn read(file: &Path, progress: &Progress) -> Result<Self, Failure> {
+        let start = Instant::now();
+        let scene = read_scene(file)?;
+        scene.warnings.iter().for_each(|warning| progress.warn(warning));
+        let body = build_body(&scene)?;
+        body.remarks.iter().for_each(|remark| progress.say(remark));
+        let grid = padded(&body.grid, scene.coarsening.degree, progress);
+        let fixed = held_nodes(&scene, &grid)?;
+        let unusable = |error: &dyn std::fmt::Display| Failure::Unusable(format!("{}: {error}", file.display()));
+        let model = FineModel::new(grid, &body.materials).map_err(|error| unusable(&error))?;
+        let loads = all_loads(&scene, &model)?;
+        let seconds = BTreeMap::from([("body".to_owned(), start.elapsed().as_secs_f64())]);
+        Ok(Self { scene, model, volume: body.volume, fixed, loads, seconds })
+    }
+
+    /// Refuses a body that has no equilibrium: nothing fixed, or parts that can still move.
+    ///
+    /// # Errors
+    /// A sentence with the parts and what to do.
+    pub fn require_support(&self) -> Result<(), Failure> {
+        let refuse = |sentence: String| Err(Failure::Unusable(format!("{}: {sentence}", self.scene.file.display())));
+        if self.scene.fixes.is_empty() {
+            return refuse("nothing holds the body; a static run needs at least one [[fix]]".into());
+        }
+        let fixed: Vec<[bool; 3]> = self.fixed.iter().map(|f| [*f; 3]).collect();
+        let loose = loose_parts(self.model.grid(), &fixed);
+        if loose.is_empty() {
+            return Ok(());
+        }
+        let told: Vec<String> = loose.iter().take(TOLD_PARTS).map(|part| format!("{part}")).collect();
+        let more = match loose.len().saturating_sub(TOLD_PARTS) {
+            0 => String::new(),
+            n => format!("; and {n} more such parts"),
+        };
+        let remedy = "body.keep = \"supported\" or \"largest\" leaves loose parts out";
+        refuse(format!("{}{more}. {remedy}", told.join(". ")))
+    }
+
+    /// Warns of parts that hang on nothing in a scene that is only coarsened.
+    pub fn warn_of_loose_parts(&self, progress: &Progress) {
+        let loose = grosgrain::mesh::parts_loose_from_largest(self.model.grid());
+        for part in loose.iter().take(TOLD_PARTS) {
+            progress.warn(&format!("{part}"));
+        }
+        if loose.len() > TOLD_PARTS {
+            progress.warn(&format!("{} more such parts", loose.len() - TOLD_PARTS));
+        }
+    }
+
+    /// The method asked for on the command line, or the scene's.
+    pub fn method(&self, asked: Option<Method>) -> Method {
+        asked.unwrap_or(Method::Coarsened(self.scene.coarsening.training))
+    }
+
+    /// How the library builds the coarse model of a method; `None` for the fine one.
+    pub fn build_options(&self, method: Method) -> Option<BuildOptions> {
+        let method = match method {
+            Method::Fine => return None,
+            Method::Trilinear => grosgrain::coarse::Method::Trilinear,
+            Method::Average => grosgrain::coarse::Method::Average,
+            Method::Coarsened(kind) => grosgrain::coarse::Method::Trained(kind),
+        };
+        Some(BuildOptions { method, base: self.scene.coarsening.base, objective: self.scene.coarsening.objective })
+    }
+
+    /// Size of the fine model.
+    pub fn fine_size(&self) -> ModelSize {
+        let nodes = self.model.active_count();
+        ModelSize { cells: self.model.grid().solid_count(), nodes, unknowns: 3 * nodes }
+    }
+
+    /// The files that decide the result, the scene first.
+    pub fn input_files(&self) -> Vec<PathBuf> {
+        let mut files = vec![self.scene.file.clone()];
+        match &self.scene.body.source {
+            Source::Volume(file) | Source::Moduli(file) => files.push(file.clone()),
+            Source::Grid(..) => {}
+        }
+        if let Some(VoxelModulus::File(file)) = &self.scene.body.modulus {
+            files.push(file.clone());
+        }
+        files.retain(|file| file.is_file());
+        files
+    }
+}
+
+fn padded(grid: &VoxelGrid, degree: usize, progress: &Progress) -> VoxelGrid {
+    let padding = pad_to_multiple(grid, degree, PADDING);
+    if padding.added != [0; 3] {
+        let (old, new) = (grid.lattice.cells, padding.grid.lattice.cells);
+        let sentence = format!(
+            "degree {degree} does not divide {} cells; padded with voids to {}",
+            triple_count(old),
+            triple_count(new)
+        );
+        progress.say(&sentence);
+    }
+    padding.grid
+}
+
+fn all_loads(scene: &Scene, model: &FineModel) -> Result<Vec<f64>, Failure> {
+    let mut sum = vec![0.0; 3 * model.grid().lattice.node_count()];
+    for load in &scene.loads {
+        let forces = loads_of(scene, model, load)?;
+        sum.iter_mut().zip(forces).for_each(|(total, force)| *total += force);
+    }
+    Ok(sum)
+}
+
+fn loads_of(scene: &Scene, model: &FineModel, load: &Load) -> Result<Vec<f64>, Failure> {
+    let refuse = |error: String| Failure::Unusable(format!("{}: {}: {error}", scene.file.display(), load.key));
+    let nodes = |selection: &grosgrain::mesh::Selector| {
+        selection.nodes(model.grid()).map_err(|error| refuse(format!("where: {error}")))
+    };
+    match &load.kind {
+        LoadKind::Gravity(acceleration) => Ok(gravity(model, *acceleration)),
+        LoadKind::Force(selection, force) => Ok(node_forces(model, &nodes(selection)?.mask, *force)),
+        LoadKind::Traction(selection, pressure) => {
+            let (loads, area) = traction(model, &nodes(selection)?.mask, *pressure);
+            match area > 0.0 {
+                true => Ok(loads),
+                false => Err(refuse(
+                    "the selection holds no whole face of the body's surface; a traction needs all four nodes of a face, enlarge it"
+                        .into(),
+                )),
+            }
+        }
+    }
+}
