@@ -27,14 +27,20 @@ fn main() -> Result<(), Box<dyn Error>> {
             .into(),
     ];
     let two = Figure {
-        title: "A two-material beam and its coarse model".into(),
+        title: "A two-material beam, fine and interpolated on a coarse grid".into(),
         panels: vec![fine.clone(), coarse.clone()],
         footer: footer.clone(),
         ..Figure::default()
     };
     save(&two, &Path::new(&folder).join("beam.png"))?;
     let panels = vec![fine, size_panel(), coarse];
-    let three = Figure { title: "Fine, displaced, coarse".into(), panels, footer, width: 2000, ..Figure::default() };
+    let three = Figure {
+        title: "A two-material beam: body, displacement, interpolation error".into(),
+        panels,
+        footer,
+        width: 2000,
+        ..Figure::default()
+    };
     save(&three, &Path::new(&folder).join("beam-three.png"))?;
     convergence().render()?.write_png(File::create(Path::new(&folder).join("convergence.png"))?)?;
     Ok(())
@@ -77,7 +83,7 @@ fn size_panel() -> Panel {
 }
 
 fn coarse_panel() -> Panel {
-    let (surface, _) = beam_surface(coarse_deformed);
+    let (surface, _) = beam_surface(|p| interpolated(p, DEGREE));
     let (fine, _) = beam_surface(deformed);
     let largest = distance(deformed([LENGTH, 0.0, 0.0]), [LENGTH, 0.0, 0.0]);
     let error =
@@ -85,7 +91,7 @@ fn coarse_panel() -> Panel {
     let label = "|u coarse − u fine| [% of max |u fine|]".into();
     let scale = ColourScale { label, map: ColourMap::Magma, reversed: true, range: None };
     Panel {
-        caption: "Coarse model: one-ring, degree 4".into(),
+        caption: "Interpolated on a coarse grid, degree 4".into(),
         detail: "1,275 unknowns".into(),
         surface,
         colouring: Colouring::Scalar { at_vertex: error, scale },
@@ -94,16 +100,26 @@ fn coarse_panel() -> Panel {
     }
 }
 
+/// Error of the interpolation over the unknowns of the coarse grid.
 fn convergence() -> Chart {
-    let curve = |name: &str, factor: f64, order: f64| Series {
-        name: name.into(),
-        points: [192.0, 540.0, 1275.0, 4131.0, 8000.0].map(|n: f64| [n, factor * n.powf(-order)]).to_vec(),
-    };
+    let (rest, _) = beam_surface(|x| x);
+    let largest = distance(deformed([LENGTH, 0.0, 0.0]), [LENGTH, 0.0, 0.0]);
+    let (mut worst, mut mean) = (Vec::new(), Vec::new());
+    for degree in [16, 8, 4, 2] {
+        let unknowns = CELLS.iter().map(|n| (n / degree + 1) as f64).product::<f64>() * 3.0;
+        let error = |p: &Point| 100.0 * distance(interpolated(*p, degree), deformed(*p)) / largest;
+        let errors: Vec<f64> = rest.positions.iter().map(error).collect();
+        worst.push([unknowns, errors.iter().copied().fold(0.0, f64::max)]);
+        mean.push([unknowns, (errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64).sqrt()]);
+    }
     Chart {
-        title: "Error over unknowns".into(),
+        title: "Interpolation error over unknowns".into(),
         x: Axis { label: "unknowns".into(), logarithmic: true },
-        y: Axis { label: "RMS error [%]".into(), logarithmic: true },
-        series: vec![curve("trilinear", 400.0, 0.35), curve("single-cell", 900.0, 0.7), curve("one-ring", 1500.0, 1.0)],
+        y: Axis { label: "error on the surface [% of max |u|]".into(), logarithmic: true },
+        series: vec![
+            Series { name: "largest".into(), points: worst },
+            Series { name: "root mean square".into(), points: mean },
+        ],
         ..Chart::default()
     }
 }
@@ -122,9 +138,9 @@ fn deformed([x, y, z]: Point) -> Point {
 }
 
 /// The same field interpolated trilinearly between the corners of coarse cells.
-fn coarse_deformed(p: Point) -> Point {
-    let size = spacing() * DEGREE as f64;
-    let low: Point = std::array::from_fn(|a| (p[a] / size).floor().min((CELLS[a] / DEGREE) as f64 - 1.0) * size);
+fn interpolated(p: Point, degree: usize) -> Point {
+    let size = spacing() * degree as f64;
+    let low: Point = std::array::from_fn(|a| (p[a] / size).floor().min((CELLS[a] / degree) as f64 - 1.0) * size);
     let mut sum = [0.0; 3];
     for corner in 0..8 {
         let side: Point = std::array::from_fn(|a| f64::from(corner >> a & 1));
@@ -172,7 +188,7 @@ fn cells(b: usize, c: usize) -> impl Iterator<Item = (usize, usize)> {
 /// Edges of the coarse cells on the beam's surface, between coarse corners.
 fn coarse_edges() -> Vec<[Point; 2]> {
     let count = CELLS.map(|n| n / DEGREE);
-    let at = |i: [usize; 3]| coarse_deformed(i.map(|i| (i * DEGREE) as f64 * spacing()));
+    let at = |i: [usize; 3]| interpolated(i.map(|i| (i * DEGREE) as f64 * spacing()), DEGREE);
     let mut lines = Vec::new();
     for index in 0..(count[0] + 1) * (count[1] + 1) * (count[2] + 1) {
         let i =
