@@ -10,7 +10,9 @@
 //! uniformly loaded cantilever, w(x) = w_L (x⁴ − 4 L x³ + 6 L² x²) / (3 L⁴), with sections that turn with the axis.
 //! "Coarse" is the same field interpolated trilinearly between the corners of coarse cells.
 
-use grosgrain_picture::{Axis, Category, Chart, ColourMap, ColourScale, Colouring, Figure, Panel, QuadSurface, Series};
+use grosgrain_picture::{
+    Axis, Category, Chart, ColourMap, ColourScale, Colouring, Figure, Image, Panel, QuadSurface, Series,
+};
 use std::{collections::BTreeMap, error::Error, fs::File, path::Path};
 
 const CELLS: [usize; 3] = [64, 16, 16];
@@ -21,42 +23,45 @@ type Point = [f64; 3];
 fn main() -> Result<(), Box<dyn Error>> {
     let folder = std::env::args().nth(1).unwrap_or_else(|| "out".into());
     std::fs::create_dir_all(&folder)?;
-    let (fine, coarse) = (fine_panel(), coarse_panel());
-    let footer = vec![
-        "Beam 160 × 40 × 40 mm, clamped at the left end, under its own weight. Layers at 45°, E ratio 50, ν = 0.45."
-            .into(),
-    ];
-    let two = Figure {
-        title: "A two-material beam, fine and interpolated on a coarse grid".into(),
-        panels: vec![fine.clone(), coarse.clone()],
-        footer: footer.clone(),
-        ..Figure::default()
-    };
-    save(&two, &Path::new(&folder).join("beam.png"))?;
-    let panels = vec![fine, size_panel(), coarse];
-    let three = Figure {
-        title: "A two-material beam: body, displacement, interpolation error".into(),
-        panels,
-        footer,
-        width: 2000,
-        ..Figure::default()
-    };
-    save(&three, &Path::new(&folder).join("beam-three.png"))?;
-    convergence().render()?.write_png(File::create(Path::new(&folder).join("convergence.png"))?)?;
+    save(&two_panels().render()?, &Path::new(&folder).join("beam.png"))?;
+    save(&three_panels().render()?, &Path::new(&folder).join("beam-three.png"))?;
+    save(&convergence().render()?, &Path::new(&folder).join("convergence.png"))
+}
+
+fn save(image: &Image, path: &Path) -> Result<(), Box<dyn Error>> {
+    image.write_png(File::create(path)?)?;
+    println!("{} ({} × {})", path.display(), image.width(), image.height());
     Ok(())
 }
 
-fn save(figure: &Figure, path: &Path) -> Result<(), Box<dyn Error>> {
-    let clock = std::time::Instant::now();
-    let image = figure.render()?;
-    image.write_png(File::create(path)?)?;
-    println!("{} ({} × {}, {:.2} s)", path.display(), image.width(), image.height(), clock.elapsed().as_secs_f64());
-    Ok(())
+/// The body by material, and the interpolated body by error.
+pub fn two_panels() -> Figure {
+    Figure {
+        title: "A two-material beam, fine and interpolated on a coarse grid".into(),
+        panels: vec![fine_panel(), coarse_panel()],
+        footer: footer(),
+        ..Figure::default()
+    }
+}
+
+/// The same with the displacement between them, somewhat wider.
+pub fn three_panels() -> Figure {
+    Figure {
+        title: "A two-material beam: body, displacement, interpolation error".into(),
+        panels: vec![fine_panel(), size_panel(), coarse_panel()],
+        footer: footer(),
+        width: 2000,
+        ..Figure::default()
+    }
+}
+
+fn footer() -> Vec<String> {
+    vec!["Beam 160 × 40 × 40 mm, clamped at the left end, bent as under its own weight. Layers at 45°.".into()]
 }
 
 fn fine_panel() -> Panel {
     let (surface, layers) = beam_surface(deformed);
-    let legend = vec![Category::named("soft, E = 1 MPa"), Category::named("stiff, E = 50 MPa")];
+    let legend = vec![Category::named("soft layer"), Category::named("stiff layer")];
     Panel {
         caption: "Fine model".into(),
         detail: "56,355 unknowns".into(),
@@ -91,7 +96,7 @@ fn coarse_panel() -> Panel {
     let label = "|u coarse − u fine| [% of max |u fine|]".into();
     let scale = ColourScale { label, map: ColourMap::Magma, reversed: true, range: None };
     Panel {
-        caption: "Interpolated on a coarse grid, degree 4".into(),
+        caption: "On a coarse grid, degree 4".into(),
         detail: "1,275 unknowns".into(),
         surface,
         colouring: Colouring::Scalar { at_vertex: error, scale },
@@ -101,7 +106,7 @@ fn coarse_panel() -> Panel {
 }
 
 /// Error of the interpolation over the unknowns of the coarse grid.
-fn convergence() -> Chart {
+pub fn convergence() -> Chart {
     let (rest, _) = beam_surface(|x| x);
     let largest = distance(deformed([LENGTH, 0.0, 0.0]), [LENGTH, 0.0, 0.0]);
     let (mut worst, mut mean) = (Vec::new(), Vec::new());
