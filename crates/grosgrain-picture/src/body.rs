@@ -4,7 +4,7 @@ use crate::{
     Colouring, Image, Panel,
     camera::{Camera, Vec3},
     colour::{Rgb, SrgbTable, category_colour, to_linear},
-    occlusion::{Relief, sky_seen},
+    occlusion::{self, Relief},
     raster::{Corner, Pen, Raster},
     surface::{self, EdgeKind, Normals},
 };
@@ -45,14 +45,25 @@ impl View {
 /// Draws a validated panel's body on `paper`.
 pub(crate) fn draw(panel: &Panel, placement: &Placement, paper: Rgb) -> View {
     let normals = Normals::new(&panel.surface, placement.camera);
-    let mut raster = Raster::new(SAMPLES * placement.size[0], SAMPLES * placement.size[1]);
-    let projected: Vec<Vec3> = panel.surface.positions.iter().map(|p| placement.sample(*p)).collect();
+    let projected = panel.surface.positions.iter().map(|p| placement.sample(*p)).collect();
     let palette = Palette::new(&panel.colouring, placement.range);
-    draw_quads(panel, placement, &normals, &projected, &palette, &mut raster);
-    draw_edges(panel, placement, &normals, &projected, &mut raster);
-    draw_lines(panel, placement, &mut raster);
-    let sky = occlusion(placement, &normals, &raster);
-    View { size: placement.size, pixels: resolve(placement, &raster, &sky, &palette, paper) }
+    let body = Body { panel, placement, normals, projected, palette };
+    let mut raster = Raster::new(SAMPLES * placement.size[0], SAMPLES * placement.size[1]);
+    body.draw_quads(&mut raster);
+    body.draw_edges(&mut raster);
+    body.draw_lines(&mut raster);
+    let sky = body.sky_seen(&raster);
+    View { size: placement.size, pixels: body.resolve(&raster, &sky, paper) }
+}
+
+/// A panel's body, ready to be drawn.
+struct Body<'a> {
+    panel: &'a Panel,
+    placement: &'a Placement<'a>,
+    normals: Normals,
+    /// Vertices in samples: x, y, closeness.
+    projected: Vec<Vec3>,
+    palette: Palette<'a>,
 }
 
 impl Placement<'_> {
@@ -107,104 +118,103 @@ impl<'a> Palette<'a> {
     }
 }
 
-fn draw_quads(
-    panel: &Panel,
-    placement: &Placement,
-    normals: &Normals,
-    projected: &[Vec3],
-    palette: &Palette,
-    raster: &mut Raster,
-) {
-    for (quad, vertices) in panel.surface.quads.iter().enumerate() {
-        let corner = |i: usize| {
-            let [x, y, closeness] = projected[vertices[i] as usize];
-            let light = surface::light(placement.camera.turn(normals.of_corner[quad][i]));
-            Corner { x, y, closeness, tone: palette.tone(quad, vertices[i]), light }
-        };
-        let corners: [Corner; 4] = std::array::from_fn(corner);
-        let [a, b, c, d] = corners;
-        let large = (a.x - c.x).abs().max((a.y - c.y).abs()) > 6.0 * SAMPLES as f64;
-        if large {
-            let centre = Corner::mean(&corners);
-            for [p, q] in [[a, b], [b, c], [c, d], [d, a]] {
-                raster.triangle(quad as u32, [p, q, centre]);
+impl Body<'_> {
+    fn draw_quads(&self, raster: &mut Raster) {
+        for (quad, vertices) in self.panel.surface.quads.iter().enumerate() {
+            let corner = |i: usize| {
+                let [x, y, closeness] = self.projected[vertices[i] as usize];
+                let light = surface::light(self.placement.camera.turn(self.normals.of_corner[quad][i]));
+                Corner { x, y, closeness, tone: self.palette.tone(quad, vertices[i]), light }
+            };
+            let corners: [Corner; 4] = std::array::from_fn(corner);
+            let [a, b, c, d] = corners;
+            let large = (a.x - c.x).abs().max((a.y - c.y).abs()) > 6.0 * SAMPLES as f64;
+            if large {
+                let centre = Corner::mean(&corners);
+                for [p, q] in [[a, b], [b, c], [c, d], [d, a]] {
+                    raster.triangle(quad as u32, [p, q, centre]);
+                }
+            } else {
+                raster.triangle(quad as u32, [a, b, c]);
+                raster.triangle(quad as u32, [a, c, d]);
             }
-        } else {
-            raster.triangle(quad as u32, [a, b, c]);
-            raster.triangle(quad as u32, [a, c, d]);
         }
     }
-}
 
-fn draw_edges(panel: &Panel, placement: &Placement, normals: &Normals, projected: &[Vec3], raster: &mut Raster) {
-    let category = |quad: usize| match &panel.colouring {
-        Colouring::Category { of_quad, .. } => of_quad[quad],
-        _ => 0,
-    };
-    let edges = surface::edges(&panel.surface, normals, category);
-    let ends = |edge: &surface::Edge| edge.vertices.map(|v| projected[v as usize]);
-    let length = |[a, b]: [Vec3; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
-    let mean = edges.iter().map(|e| length(ends(e))).sum::<f64>() / edges.len() as f64 / SAMPLES as f64;
-    // Cell edges fade in as cells grow from 5 to 14 pixels: a denser mesh would only be a grey veil.
-    let room = ((mean / placement.stroke - 5.0) / 9.0).clamp(0.0, 1.0);
-    for edge in &edges {
-        let (width, opacity) = match edge.kind {
-            EdgeKind::Boundary => (1.0, 0.22 + 0.38 * room),
-            EdgeKind::Silhouette => (1.1, 0.30 + 0.25 * room),
-            EdgeKind::Crease => (0.9, 0.40 * room),
-            EdgeKind::Cell => (0.8, 0.20 * room),
+    fn draw_edges(&self, raster: &mut Raster) {
+        let category = |quad: usize| match &self.panel.colouring {
+            Colouring::Category { of_quad, .. } => of_quad[quad],
+            _ => 0,
         };
-        if opacity > 0.02 {
-            let [a, b] = ends(edge);
-            raster.line(a, b, placement.pen(1, width, opacity));
+        let edges = surface::edges(&self.panel.surface, &self.normals, category);
+        let ends = |edge: &surface::Edge| edge.vertices.map(|v| self.projected[v as usize]);
+        let length = |[a, b]: [Vec3; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
+        let mean = edges.iter().map(|e| length(ends(e))).sum::<f64>() / edges.len() as f64 / SAMPLES as f64;
+        // Cell edges fade in as cells grow from 5 to 14 pixels: a denser mesh would only be a grey veil.
+        let room = ((mean / self.placement.stroke - 5.0) / 9.0).clamp(0.0, 1.0);
+        for edge in &edges {
+            let (width, opacity) = match edge.kind {
+                EdgeKind::Boundary => (1.0, 0.22 + 0.38 * room),
+                EdgeKind::Silhouette => (1.1, 0.30 + 0.25 * room),
+                EdgeKind::Crease => (0.9, 0.40 * room),
+                EdgeKind::Cell => (0.8, 0.20 * room),
+            };
+            if opacity > 0.02 {
+                let [a, b] = ends(edge);
+                raster.line(a, b, self.placement.pen(1, width, opacity));
+            }
         }
     }
-}
 
-fn draw_lines(panel: &Panel, placement: &Placement, raster: &mut Raster) {
-    for (lines, pen) in [(&panel.ghost, placement.pen(0, 1.2, 0.8)), (&panel.grid, placement.pen(1, 1.5, 0.85))] {
-        for line in lines {
-            let [a, b] = line.map(|p| placement.sample(p));
-            raster.line(a, b, pen);
+    fn draw_lines(&self, raster: &mut Raster) {
+        for (lines, pen) in
+            [(&self.panel.ghost, self.placement.pen(0, 1.2, 0.8)), (&self.panel.grid, self.placement.pen(1, 1.5, 0.85))]
+        {
+            for line in lines {
+                let [a, b] = line.map(|p| self.placement.sample(p));
+                raster.line(a, b, pen);
+            }
         }
     }
-}
 
-fn occlusion(placement: &Placement, normals: &Normals, raster: &Raster) -> Vec<f32> {
-    let [width, height] = placement.size;
-    let middle = |at: usize| (at / width * SAMPLES + SAMPLES / 2) * raster.width + at % width * SAMPLES + SAMPLES / 2;
-    let found = |at: usize| raster.closeness[middle(at)];
-    let closeness = (0..width * height).map(|at| Some(found(at) / SAMPLES as f32).filter(|z| z.is_finite())).collect();
-    let turned: Vec<Vec3> = normals.of_quad.iter().map(|n| placement.camera.turn(*n)).collect();
-    let normal = (0..width * height).map(|at| turned[raster.quad[middle(at)] as usize]).collect();
-    let radius = (0.12 * placement.camera.radius * placement.scale).max(6.0);
-    sky_seen(&Relief { width, height, closeness, normal }, radius)
-}
+    fn sky_seen(&self, raster: &Raster) -> Vec<f32> {
+        let [width, height] = self.placement.size;
+        let middle =
+            |at: usize| (at / width * SAMPLES + SAMPLES / 2) * raster.width + at % width * SAMPLES + SAMPLES / 2;
+        let found = |at: usize| raster.closeness[middle(at)];
+        let closeness =
+            (0..width * height).map(|at| Some(found(at) / SAMPLES as f32).filter(|z| z.is_finite())).collect();
+        let turned: Vec<Vec3> = self.normals.of_quad.iter().map(|n| self.placement.camera.turn(*n)).collect();
+        let normal = (0..width * height).map(|at| turned[raster.quad[middle(at)] as usize]).collect();
+        let radius = (0.12 * self.placement.camera.radius * self.placement.scale).max(6.0);
+        occlusion::sky_seen(&Relief { width, height, closeness, normal }, radius)
+    }
 
-/// Averages the samples of every pixel in linear light.
-fn resolve(placement: &Placement, raster: &Raster, sky: &[f32], palette: &Palette, paper: Rgb) -> Vec<Rgb> {
-    let table = SrgbTable::new();
-    let [ink, ghost, empty] = [INK, GHOST, paper].map(to_linear);
-    let width = placement.size[0];
-    let colour = |i: usize, sky: f32| {
-        if raster.closeness[i] == f32::NEG_INFINITY {
-            return inked(inked(empty, ghost, raster.ink[i][0]), ink, raster.ink[i][1]);
-        }
-        let [tone, light] = raster.tone[i];
-        let light = f32::from(light) / 65535.0 * (0.25 + 0.75 * sky);
-        inked(palette.colour(tone).map(|c| c * light), ink, raster.ink[i][1])
-    };
-    let blank = |i: usize| raster.closeness[i] == f32::NEG_INFINITY && raster.ink[i] == [0; 2];
-    let pixel = |at: usize| {
-        let corner = at / width * SAMPLES * raster.width + at % width * SAMPLES;
-        let samples = || (0..SAMPLES * SAMPLES).map(|s| corner + s / SAMPLES * raster.width + s % SAMPLES);
-        if samples().all(blank) {
-            return paper;
-        }
-        let sum = samples().map(|i| colour(i, sky[at])).fold([0.0; 3], |a, b| std::array::from_fn(|c| a[c] + b[c]));
-        table.encode(sum.map(|c| c / (SAMPLES * SAMPLES) as f32))
-    };
-    (0..sky.len()).map(pixel).collect()
+    /// Averages the samples of every pixel in linear light.
+    fn resolve(&self, raster: &Raster, sky: &[f32], paper: Rgb) -> Vec<Rgb> {
+        let table = SrgbTable::new();
+        let [ink, ghost, empty] = [INK, GHOST, paper].map(to_linear);
+        let width = self.placement.size[0];
+        let colour = |i: usize, sky: f32| {
+            if raster.closeness[i] == f32::NEG_INFINITY {
+                return inked(inked(empty, ghost, raster.ink[i][0]), ink, raster.ink[i][1]);
+            }
+            let [tone, light] = raster.tone[i];
+            let light = f32::from(light) / 65535.0 * (0.25 + 0.75 * sky);
+            inked(self.palette.colour(tone).map(|c| c * light), ink, raster.ink[i][1])
+        };
+        let blank = |i: usize| raster.closeness[i] == f32::NEG_INFINITY && raster.ink[i] == [0; 2];
+        let pixel = |at: usize| {
+            let corner = at / width * SAMPLES * raster.width + at % width * SAMPLES;
+            let samples = || (0..SAMPLES * SAMPLES).map(|s| corner + s / SAMPLES * raster.width + s % SAMPLES);
+            if samples().all(blank) {
+                return paper;
+            }
+            let sum = samples().map(|i| colour(i, sky[at])).fold([0.0; 3], |a, b| std::array::from_fn(|c| a[c] + b[c]));
+            table.encode(sum.map(|c| c / (SAMPLES * SAMPLES) as f32))
+        };
+        (0..sky.len()).map(pixel).collect()
+    }
 }
 
 fn inked(under: [f32; 3], ink: [f32; 3], opacity: u8) -> [f32; 3] {

@@ -45,7 +45,7 @@ impl Camera {
         let (low, high) = bounds(points);
         let extent: Vec3 = std::array::from_fn(|a| high[a] - low[a]);
         let view = view.unwrap_or_else(|| View::three_quarter(extent));
-        let radius = (0.5 * norm(extent)).max(f64::MIN_POSITIVE);
+        let radius = (0.5 * norm(extent)).max(1e-150);
         let centre = std::array::from_fn(|a| 0.5 * (low[a] + high[a]));
         let distance = radius / view.perspective.clamp(0.0, 0.6);
         let mut camera = Self { axes: view_axes(view)?, centre, distance, radius, bounds: [[0.0; 2]; 2] };

@@ -19,7 +19,7 @@ pub struct Chart {
     pub y: Axis,
     /// The curves.
     pub series: Vec<Series>,
-    /// Width in pixels, 400 to 8000; the height is 0.58 of it.
+    /// Width in pixels, 400 to 4000; the height is 0.58 of it.
     pub width: usize,
 }
 
@@ -62,7 +62,7 @@ impl Chart {
     /// Draws the chart.
     ///
     /// # Errors
-    /// No points, a coordinate that is not finite or not positive on a logarithmic axis, a width outside 400 to 8000.
+    /// No points, a coordinate that is not finite or not positive on a logarithmic axis, a width outside 400 to 4000.
     pub fn render(&self) -> Result<Image, PictureError> {
         let theme = Theme::new(self.width)?;
         self.validate()?;

@@ -66,7 +66,7 @@ pub enum PictureError {
         high: f64,
     },
     /// The picture's width is out of bounds.
-    #[error("a picture {0} pixels wide cannot be drawn; choose 400 to 8000 pixels")]
+    #[error("a picture {0} pixels wide cannot be drawn; choose 400 to 4000 pixels")]
     Width(usize),
     /// The view has no direction.
     #[error(

@@ -19,7 +19,7 @@ pub struct Figure {
     pub footer: Vec<String>,
     /// The view; `None` chooses a three-quarter view from the bodies' extent, z up.
     pub view: Option<View>,
-    /// Width in pixels, 400 to 8000; the height follows.
+    /// Width in pixels, 400 to 4000; the height follows.
     pub width: usize,
     /// Panels per row; `None` puts up to three in a row.
     pub columns: Option<usize>,
@@ -115,9 +115,6 @@ pub struct ColourScale {
 
 impl Figure {
     pub(crate) fn validate(&self) -> Result<(), PictureError> {
-        if !(400..=8000).contains(&self.width) {
-            return Err(PictureError::Width(self.width));
-        }
         if self.panels.is_empty() {
             return Err(PictureError::NoPanels);
         }
@@ -173,7 +170,7 @@ impl Panel {
 fn finite<T>(panel: usize, what: &'static str, items: &[T], numbers: fn(&T) -> &[f64]) -> Result<(), PictureError> {
     for (index, item) in items.iter().enumerate() {
         // Squares of coordinates are summed later: what overflows there is as unusable as an infinity.
-        if let Some(&value) = numbers(item).iter().find(|x| !(x.abs() < 1e150)) {
+        if let Some(&value) = numbers(item).iter().find(|x| x.is_nan() || x.abs() > 1e150) {
             return Err(PictureError::NotFinite { panel, what, index, value });
         }
     }

@@ -59,8 +59,8 @@ pub(crate) fn draw(panel: &Panel, theme: &Theme, image: &mut Image, area: Rect) 
 
 fn draw_bar(scale: &ColourScale, [low, high]: [f64; 2], theme: &Theme, image: &mut Image, area: Rect) {
     let u = theme.unit;
-    let ticks = Ticks::linear(low, high, MOST_TICKS);
     let width = (0.74 * area.width).min(640.0 * u);
+    let ticks = fitting_ticks([low, high], theme, width);
     let bar = Rect { x: (area.x + 0.5 * (area.width - width)).round(), y: area.y + 34.0 * u, width, height: 20.0 * u };
     let label = theme.face.cut(&ticks.with_exponent(&scale.label), theme.label(), area.width);
     theme.face.draw_centred(image, [bar.x + 0.5 * width, area.y + 20.0 * u], &label, theme.label());
@@ -71,6 +71,16 @@ fn draw_bar(scale: &ColourScale, [low, high]: [f64; 2], theme: &Theme, image: &m
         image.stroke([x, bottom + 2.0 * u], [x, bottom + 7.0 * u], 1.5 * u, DARK);
         theme.face.draw_centred(image, [x, bottom + 31.0 * u], text, theme.small());
     }
+}
+
+/// As many ticks as have room for their labels, at least those of a step of half the range.
+fn fitting_ticks([low, high]: [f64; 2], theme: &Theme, width: f32) -> Ticks {
+    let room = |ticks: &Ticks| {
+        let widest = ticks.labels.iter().map(|l| theme.face.width(l, theme.small())).fold(0.0, f32::max);
+        1.35 * widest * ticks.labels.len() as f32 <= 1.15 * width
+    };
+    let choices = (3..=MOST_TICKS).rev().map(|most| Ticks::linear(low, high, most));
+    choices.into_iter().find(room).unwrap_or_else(|| Ticks::linear(low, high, 3))
 }
 
 struct Entry {
@@ -112,6 +122,12 @@ fn legend_entries(legend: &[Category], theme: &Theme, width: f32) -> Vec<Entry> 
     if shown < legend.len() {
         entries.push(entry(&format!("and {} more", legend.len() - shown), None));
     }
+    let line = entries.iter().map(|e| e.width).sum::<f32>() + gap(theme) * (entries.len().max(1) - 1) as f32;
+    if line > width {
+        // Entries on several lines stand below each other.
+        let widest = entries.iter().map(|e| e.width).fold(0.0, f32::max);
+        entries.iter_mut().for_each(|e| e.width = widest);
+    }
     entries
 }
 
@@ -121,8 +137,10 @@ fn gap(theme: &Theme) -> f32 {
 
 fn draw_legend(legend: &[Category], theme: &Theme, image: &mut Image, area: Rect) {
     let u = theme.unit;
-    for (line, row) in legend_rows(legend, theme, area.width).iter().enumerate() {
-        let total = row.iter().map(|e| e.width).sum::<f32>() + gap(theme) * (row.len() - 1) as f32;
+    let rows = legend_rows(legend, theme, area.width);
+    let end = |row: &Vec<Entry>| row.iter().map(|e| e.width + gap(theme)).sum::<f32>() - gap(theme);
+    let total = rows.iter().map(end).fold(0.0, f32::max);
+    for (line, row) in rows.iter().enumerate() {
         let mut x = (area.x + 0.5 * (area.width - total)).round();
         let y = (area.y + 40.0 * u * line as f32).round();
         for entry in row {

@@ -22,10 +22,10 @@ impl Figure {
     ///
     /// # Errors
     /// No panels, an empty surface, numbers that are not finite, indices or lists that do not fit, an empty colour
-    /// range, a width outside 400 to 8000 pixels, a view without direction.
+    /// range, a width outside 400 to 4000 pixels, a view without direction.
     pub fn render(&self) -> Result<Image, PictureError> {
-        self.validate()?;
         let theme = Theme::new(self.width)?;
+        self.validate()?;
         let points: Vec<[f64; 3]> = self.panels.iter().flat_map(Panel::points).collect();
         let camera = Camera::new(self.view, &points)?;
         let layout = Layout::new(self, &theme, &camera);
@@ -95,6 +95,7 @@ impl<'a> Layout<'a> {
         y += if self.title.is_empty() { 0.0 } else { 20.0 * u };
         for panels in figure.panels.chunks(self.columns) {
             let heading = panels.iter().map(|p| self.heading(p).iter().map(|h| h.2).sum()).fold(0.0, f32::max);
+            let heading = if heading > 0.0 { heading + 14.0 * u } else { 0.0 };
             let key = panels.iter().map(|p| key::height(p, self.theme, self.inner)).fold(0.0, f32::max);
             let space = if key > 0.0 { 22.0 * u } else { 0.0 };
             let card = (24.0 * u + heading + self.view[1] as f32 + space + key + 22.0 * u).ceil();
@@ -155,7 +156,8 @@ impl<'a> Layout<'a> {
         }
         view.paste(image, [left as usize, (row.top + 24.0 * u + row.heading).round() as usize]);
         let key = key::height(panel, self.theme, self.inner);
-        let key_top = row.top + row.card - 22.0 * u - 0.5 * (row.key + key);
+        // A smaller key is centred beside a larger one, unless that is a long legend.
+        let key_top = row.top + row.card - 22.0 * u - row.key + (0.5 * (row.key - key)).min(30.0 * u);
         key::draw(panel, self.theme, image, Rect { x: left, y: key_top, width: self.inner, height: key });
     }
 }

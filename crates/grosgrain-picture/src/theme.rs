@@ -20,7 +20,7 @@ pub(crate) struct Theme {
 
 impl Theme {
     pub(crate) fn new(width: usize) -> Result<Self, PictureError> {
-        if !(400..=8000).contains(&width) {
+        if !(400..=4000).contains(&width) {
             return Err(PictureError::Width(width));
         }
         Ok(Self { face: Typeface::load()?, unit: width as f32 / 1800.0 })

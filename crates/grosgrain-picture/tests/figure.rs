@@ -160,6 +160,19 @@ fn long_texts_and_many_categories_stay_inside_the_picture() -> Result<(), Pictur
 }
 
 #[test]
+fn a_picture_does_not_depend_on_the_unit_of_length() -> Result<(), PictureError> {
+    let render = |unit: f64| {
+        let mut surface = join(cube([0.0; 3], 1.0), cube([1.0, 0.3, 0.2], 0.5));
+        surface.positions.iter_mut().for_each(|p| *p = p.map(|x| x * unit));
+        Figure { view: None, ..figure(Panel { surface, ..Panel::default() }) }.render()
+    };
+    // Powers of two scale without rounding.
+    assert_eq!(render(1.0)?, render(2f64.powi(-200))?);
+    assert_eq!(render(1.0)?, render(2f64.powi(200))?);
+    Ok(())
+}
+
+#[test]
 fn flat_and_pointlike_bodies_are_drawn() -> Result<(), PictureError> {
     for positions in [vec![[1.0; 3]; 4], vec![[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]]] {
         let surface = QuadSurface { positions, quads: vec![[0, 1, 2, 3]] };

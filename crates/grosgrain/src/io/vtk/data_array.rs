@@ -44,15 +44,16 @@ impl Values<'_> {
         self.len() == 0
     }
 
-    /// The attributes that describe the entries: type, and number and names of components.
+    /// The attributes that describe the entries: type, and number and names of components. A single component is not
+    /// counted, since meshio would then read a column instead of a list.
     pub(super) fn attributes(&self) -> String {
         let names = |names: &[&str]| {
             let named = names.iter().enumerate().map(|(i, n)| format!(" ComponentName{i}=\"{n}\""));
             format!("type=\"Float64\" NumberOfComponents=\"{}\"{}", names.len(), named.collect::<String>())
         };
         match self {
-            Self::Scalar(_) => "type=\"Float64\" NumberOfComponents=\"1\"".into(),
-            Self::Integer(_) => "type=\"Int32\" NumberOfComponents=\"1\"".into(),
+            Self::Scalar(_) => "type=\"Float64\"".into(),
+            Self::Integer(_) => "type=\"Int32\"".into(),
             Self::Vector(_) => names(&["X", "Y", "Z"]),
             Self::Tensor(_) => names(&TENSOR.map(|(name, _)| name)),
         }
