@@ -118,7 +118,7 @@ impl<'a> Drawing<'a> {
         labels.sort_unstable();
         labels.dedup();
         let name = |label: &i32| {
-            let material = self.problem.scene.materials.iter().find(|m| m.label.is_some_and(|l| l.0 == *label));
+            let material = self.problem.scene.materials.iter().find(|m| m.label.0 == *label);
             Category::named(material.map_or_else(|| format!("label {label}"), |m| m.name.clone()))
         };
         let of_quad = of_face.iter().map(|label| labels.binary_search(label).unwrap_or_default() as u32).collect();

@@ -58,15 +58,12 @@ impl Problem {
         Ok(Self { scene, model, volume: body.volume, fixed, loads, seconds })
     }
 
-    /// Refuses a body that has no equilibrium: nothing fixed, or parts that can still move.
+    /// Refuses a body that has no equilibrium: nothing fixed, nothing loaded, or parts that can still move.
     ///
     /// # Errors
     /// A sentence with the parts and what to do.
     pub fn require_support(&self) -> Result<(), Failure> {
-        let refuse = |sentence: String| Err(Failure::Unusable(format!("{}: {sentence}", self.scene.file.display())));
-        if self.scene.fixes.is_empty() {
-            return refuse("nothing holds the body; a static run needs at least one [[fix]]".into());
-        }
+        self.scene.require_conditions()?;
         let fixed: Vec<[bool; 3]> = self.fixed.iter().map(|f| [*f; 3]).collect();
         let loose = loose_parts(self.model.grid(), &fixed);
         if loose.is_empty() {
@@ -78,7 +75,8 @@ impl Problem {
             n => format!("; and {n} more such parts"),
         };
         let remedy = "body.keep = \"supported\" or \"largest\" leaves loose parts out";
-        refuse(format!("{}{more}. {remedy}", told.join(". ")))
+        let sentence = format!("{}{more}. {remedy}", told.join(". "));
+        Err(Failure::Unusable(format!("{}: {sentence}", self.scene.file.display())))
     }
 
     /// Warns of parts that hang on nothing in a scene that is only coarsened.

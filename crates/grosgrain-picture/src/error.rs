@@ -101,4 +101,7 @@ pub enum PictureError {
     /// The PNG could not be written.
     #[error("the PNG could not be written: {0}")]
     Png(#[from] png::EncodingError),
+    /// The file could not be written.
+    #[error("the picture could not be written: {0}")]
+    Io(#[from] std::io::Error),
 }
