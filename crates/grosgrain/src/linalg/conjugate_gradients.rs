@@ -132,7 +132,7 @@ pub enum ConjugateGradientError {
 }
 
 /// Called after each iteration with its number and the relative residual; `false` stops the solve.
-pub type Progress<'a> = &'a (dyn Fn(usize, f64) -> bool + Sync);
+pub type Monitor<'a> = &'a (dyn Fn(usize, f64) -> bool + Sync);
 
 /// Recomputations of the residual that may bring no gain before the solve gives up.
 const FRUITLESS_RESTARTS: usize = 3;
@@ -179,7 +179,7 @@ impl<'a> ConjugateGradients<'a> {
         b: &[f64],
         x: &mut [f64],
         preconditioner: &mut dyn Preconditioner,
-        progress: Progress,
+        progress: Monitor,
     ) -> Result<ConjugateGradientInfo, ConjugateGradientError> {
         if b.len() != x.len() {
             return Err(ConjugateGradientError::Length { right: b.len(), unknown: x.len() });
@@ -227,7 +227,7 @@ impl System<'_> {
         x: &mut [f64],
         scratch: &mut Scratch,
         preconditioner: &mut dyn Preconditioner,
-        progress: Progress,
+        progress: Monitor,
     ) -> Result<ConjugateGradientInfo, ConjugateGradientError> {
         let ConjugateGradientParameters { tolerance, max_iterations } = self.parameters;
         let (mut iterations, mut restarts, mut fruitless) = (0, 0, 0);
@@ -268,7 +268,7 @@ impl System<'_> {
         x: &mut [f64],
         scratch: &mut Scratch,
         preconditioner: &mut dyn Preconditioner,
-        progress: Progress,
+        progress: Monitor,
         done: usize,
     ) -> Result<usize, ConjugateGradientError> {
         let Scratch { r, z, p, q } = scratch;
@@ -326,7 +326,7 @@ mod tests {
         diagonal: &[f64],
         b: &[f64],
         parameters: ConjugateGradientParameters,
-        progress: Progress,
+        progress: Monitor,
     ) -> (Vec<f64>, Result<ConjugateGradientInfo, ConjugateGradientError>) {
         let operator = Diagonal(diagonal.to_vec());
         let mut x = vec![0.0; b.len()];

@@ -11,7 +11,7 @@ mod sparse_pattern;
 pub use cholesky::{Cholesky, CholeskyError, SymbolicCholesky};
 pub use conjugate_gradients::{
     ConjugateGradientError, ConjugateGradientInfo, ConjugateGradientParameters, ConjugateGradients, Identity,
-    LinearOperator, Preconditioner, Progress, Projector,
+    LinearOperator, Monitor, Preconditioner, Projector,
 };
 pub use dense_cholesky::{DenseCholesky, DenseCholeskyError};
 pub use ordering::nested_dissection;
