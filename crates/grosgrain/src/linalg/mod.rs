@@ -2,9 +2,18 @@
 //! solve many), conjugate gradients, reductions in a fixed order.
 
 mod cholesky;
+mod conjugate_gradients;
+mod dense_cholesky;
 mod ordering;
+mod reduction;
 mod sparse_pattern;
 
 pub use cholesky::{Cholesky, CholeskyError, SymbolicCholesky};
+pub use conjugate_gradients::{
+    ConjugateGradientError, ConjugateGradientInfo, ConjugateGradientParameters, ConjugateGradients, Identity,
+    LinearOperator, Monitor, Preconditioner, Projector,
+};
+pub use dense_cholesky::{DenseCholesky, DenseCholeskyError};
 pub use ordering::nested_dissection;
+pub use reduction::{dot, norm, step, sum_of_blocks};
 pub use sparse_pattern::SparsePattern;

@@ -1,12 +1,16 @@
-//! Solving lattice systems: Cholesky in nested-dissection order, or conjugate gradients.
+//! Solving lattice systems: Cholesky in nested-dissection order, or conjugate gradients with multigrid.
 
 mod direct;
 mod free_support;
 mod lattice_solver;
+pub mod multigrid;
+mod rigid_motions;
 
 pub use direct::{AnalysedLattice, DirectSolver, SolverError, Support};
 pub use free_support::free_support;
 pub use lattice_solver::{LatticeSolver, SolveReport, SolverChoice};
+pub use multigrid::{Cycle, Multigrid, MultigridError, MultigridParameters};
+pub use rigid_motions::RigidMotions;
 
 /// Relative residual ‖f − K u‖ / ‖f‖ that every solution reaches.
 pub const TOLERANCE: f64 = 1e-8;
