@@ -4,7 +4,7 @@ use crate::assembly::Constraints;
 use crate::coarse::{CoarseModel, Embedding, SupportedCoarse};
 use crate::fine::FineModel;
 use crate::progress::Progress;
-use crate::solver::{LatticeSolver, SolveReport, SolverChoice, SolverError, Support};
+use crate::solver::{Hold, LatticeSystem, SolveReport, SolverChoice, SolverError};
 
 /// Equilibrium of the fine model.
 #[derive(Clone, Debug)]
@@ -43,10 +43,10 @@ pub fn solve_fine(
     choice: SolverChoice,
     progress: Progress<'_>,
 ) -> Result<FineSolution, SolverError> {
-    let support = Support::Constraints(Constraints::nodes(fixed));
+    let constraints = Constraints::nodes(fixed);
+    let system = LatticeSystem { cells: model, spacing: model.grid().spacing, hold: Hold::Fixed(&constraints) };
     let mut displacement = loads.to_vec();
-    let mut solver = LatticeSolver::new(model, &support, choice, 1)?;
-    let report = solver.solve_in_place(&mut displacement, progress)?;
+    let report = system.solve(choice, &mut displacement, progress)?;
     let energy = 0.5 * work(loads, &displacement);
     Ok(FineSolution { displacement, energy, report })
 }
@@ -66,9 +66,9 @@ pub fn solve_coarse(
     let supported = SupportedCoarse::new(coarse, &embedding, fixed);
     let coarse_loads = embedding.restrict(loads);
     let mut coarse_displacement = coarse_loads.clone();
-    let support = Support::Constraints(supported.constraints.clone());
-    let mut solver = LatticeSolver::new(&supported, &support, SolverChoice::Auto, 1)?;
-    let report = solver.solve_in_place(&mut coarse_displacement, progress)?;
+    let spacing = model.grid().spacing.map(|h| h * coarse.partition().degree() as f64);
+    let system = LatticeSystem { cells: &supported, spacing, hold: Hold::Fixed(&supported.constraints) };
+    let report = system.solve(SolverChoice::Auto, &mut coarse_displacement, progress)?;
     Ok(CoarseSolution {
         displacement: embedding.prolong(&coarse_displacement),
         energy: 0.5 * work(&coarse_loads, &coarse_displacement),

@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
+use super::MultigridError;
 use crate::assembly::{CellStiffness, Constraints, LatticePattern};
-use crate::linalg::{Cholesky, CholeskyError, SymbolicCholesky};
+use crate::linalg::{Cholesky, CholeskyError, ConjugateGradientError, SymbolicCholesky};
 
 /// Diagonal shift of a free body that may have more zero-energy motions than six, relative to each diagonal entry.
 const SHIFT: f64 = 1e-9;
@@ -30,6 +31,12 @@ pub enum SolverError {
     /// The factorisation failed.
     #[error(transparent)]
     Cholesky(#[from] CholeskyError),
+    /// The multigrid hierarchy could not be built.
+    #[error(transparent)]
+    Multigrid(#[from] MultigridError),
+    /// Conjugate gradients failed or were interrupted.
+    #[error(transparent)]
+    Iterative(#[from] ConjugateGradientError),
     /// The solution is not accurate enough.
     #[error(
         "the direct solution has a relative residual of {residual:.1e}, above {tolerance:.0e}: the stiffness is too ill-conditioned ({order} unknowns); lower the contrast of the moduli or keep Poisson's ratio further from 0.5"
@@ -42,6 +49,13 @@ pub enum SolverError {
         /// Number of unknowns.
         order: usize,
     },
+}
+
+impl SolverError {
+    /// Whether the caller's progress callback asked to stop.
+    pub fn is_interruption(&self) -> bool {
+        matches!(self, Self::Iterative(ConjugateGradientError::Interrupted { .. }))
+    }
 }
 
 /// A lattice pattern and its symbolic factorisation; made once per shape.
@@ -132,19 +146,33 @@ impl DirectSolver {
     /// # Errors
     /// When the stiffness is not positive definite under this support.
     pub fn factor(&mut self, cells: &dyn CellStiffness, support: &Support) -> Result<(), SolverError> {
-        let pattern = &self.analysed.pattern;
+        let free = Constraints::none(cells.lattice().node_count());
+        let constraints = match support {
+            Support::Constraints(constraints) => constraints,
+            Support::Free => &free,
+        };
+        self.analysed.pattern.assemble_into(cells, constraints, &mut self.values);
+        self.mark_fixed(constraints);
         self.shift.clear();
+        if *support == Support::Free {
+            self.shift_diagonal();
+        }
+        Ok(self.cholesky.factor(&self.values)?)
+    }
+
+    /// The same with a shift whatever the support, for a stiffness that rounding makes indefinite.
+    ///
+    /// # Errors
+    /// When even the shifted stiffness is not positive definite.
+    pub fn factor_shifted(&mut self, cells: &dyn CellStiffness, support: &Support) -> Result<(), SolverError> {
         match support {
+            Support::Free => return self.factor(cells, support),
             Support::Constraints(constraints) => {
-                pattern.assemble_into(cells, constraints, &mut self.values);
-                self.mark_fixed(constraints);
-            }
-            Support::Free => {
-                pattern.assemble_into(cells, &Constraints::none(cells.lattice().node_count()), &mut self.values);
-                self.fixed.fill(false);
-                self.shift_diagonal();
+                self.analysed.pattern.assemble_into(cells, constraints, &mut self.values);
             }
         }
+        self.shift.clear();
+        self.shift_diagonal();
         Ok(self.cholesky.factor(&self.values)?)
     }
 

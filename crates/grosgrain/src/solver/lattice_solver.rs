@@ -2,8 +2,10 @@
 
 use std::sync::Arc;
 
-use super::{AnalysedLattice, DirectSolver, SolverError, Support};
-use crate::assembly::{CellStiffness, LatticePattern, active_nodes};
+use super::{AnalysedLattice, DirectSolver, Multigrid, MultigridParameters, RigidMotions, SolverError, Support};
+use super::{TOLERANCE, free_support};
+use crate::assembly::{CellStiffness, Constraints, LatticePattern, MatrixFree, active_nodes};
+use crate::linalg::{CholeskyError, ConjugateGradientParameters, ConjugateGradients, LinearOperator};
 use crate::progress::Progress;
 
 /// How to solve a lattice system.
@@ -16,6 +18,26 @@ pub enum SolverChoice {
     Direct,
     /// Conjugate gradients with a multigrid preconditioner.
     Iterative,
+}
+
+/// What keeps a lattice of cells from moving as a whole.
+#[derive(Clone, Copy, Debug)]
+pub enum Hold<'a> {
+    /// Prescribed components, zero in the solution.
+    Fixed(&'a Constraints),
+    /// Nothing: the loads are in equilibrium on every part, and the solution is found up to rigid motions.
+    Equilibrium,
+}
+
+/// A lattice stiffness with what holds it.
+#[derive(Clone, Copy)]
+pub struct LatticeSystem<'a> {
+    /// The cells.
+    pub cells: &'a dyn CellStiffness,
+    /// Edge lengths of a cell [m].
+    pub spacing: [f64; 3],
+    /// What holds them.
+    pub hold: Hold<'a>,
 }
 
 /// Which solver was used, why, and how well it did.
@@ -33,54 +55,157 @@ pub struct SolveReport {
     pub relative_residual: f64,
 }
 
-/// Largest number of unknowns that is solved by Cholesky unless asked for.
-const DIRECT_LIMIT: usize = 150_000;
+/// Up to this many unknowns Cholesky is chosen for one right-hand side, and up to [`DIRECT_LIMIT_MANY`] for several.
+/// Measured with `examples/solver_choice.rs`.
+const DIRECT_LIMIT: usize = 60_000;
+const DIRECT_LIMIT_MANY: usize = 150_000;
+/// Factors larger than this are not tried when conjugate gradients have failed [B].
+const FALLBACK_BYTES: usize = 6_000_000_000;
+const MAX_ITERATIONS: usize = 3000;
 
-/// A factored or otherwise prepared lattice system.
-#[derive(Debug)]
-pub struct LatticeSolver {
-    direct: Box<DirectSolver>,
-    reason: String,
-}
-
-impl LatticeSolver {
-    /// Prepares the system of `cells` under `support` for up to `columns` right-hand sides at a time.
-    ///
-    /// # Errors
-    /// When the stiffness is singular under this support, or the factor does not fit into memory.
-    pub fn new(
-        cells: &dyn CellStiffness,
-        support: &Support,
-        choice: SolverChoice,
-        columns: usize,
-    ) -> Result<Self, SolverError> {
-        let active = active_nodes(cells);
-        let unknowns = 3 * active.iter().filter(|a| **a).count();
-        let reason = match choice {
-            SolverChoice::Direct => "asked for".to_owned(),
-            _ => format!("{unknowns} unknowns are at most {DIRECT_LIMIT}"),
-        };
-        let pattern = LatticePattern::on_nodes(cells.lattice(), &active);
-        let mut direct = Box::new(DirectSolver::for_large(Arc::new(AnalysedLattice::new(pattern)?), columns)?);
-        direct.factor(cells, support)?;
-        Ok(Self { direct, reason })
-    }
-
+impl LatticeSystem<'_> {
     /// Solves for the lattice vectors in `block` (3 entries per node, one vector after the other) in place.
     ///
     /// # Errors
-    /// When a relative residual of 1e-8 is not reached.
-    pub fn solve_in_place(&mut self, block: &mut [f64], progress: Progress<'_>) -> Result<SolveReport, SolverError> {
-        let relative_residual = self.direct.solve_in_place(block);
-        let unknowns = self.direct.analysed().pattern().order();
-        if !(relative_residual <= super::TOLERANCE) {
-            return Err(SolverError::Inaccurate {
-                residual: relative_residual,
-                tolerance: super::TOLERANCE,
-                order: unknowns,
-            });
+    /// When a relative residual of [`TOLERANCE`] is not reached by either solver, or the callback interrupts.
+    pub fn solve(
+        &self,
+        choice: SolverChoice,
+        block: &mut [f64],
+        progress: Progress<'_>,
+    ) -> Result<SolveReport, SolverError> {
+        let active = active_nodes(self.cells);
+        let unknowns = 3 * active.iter().filter(|a| **a).count();
+        let columns = block.len() / (3 * active.len());
+        let limit = if columns > 1 { DIRECT_LIMIT_MANY } else { DIRECT_LIMIT };
+        match choice {
+            SolverChoice::Direct => self.solve_direct(&active, "asked for".into(), block),
+            SolverChoice::Iterative => self.solve_iterative(&active, "asked for".into(), block, progress),
+            SolverChoice::Auto if unknowns <= limit => {
+                self.solve_direct(&active, format!("faster up to {limit} unknowns"), block)
+            }
+            SolverChoice::Auto => self.solve_large(&active, limit, block, progress),
         }
-        let kind = "cholesky";
-        Ok(SolveReport { kind, reason: self.reason.clone(), unknowns, iterations: 0, relative_residual })
+    }
+
+    /// Iterates, and factors after all if the iteration does not converge and the factor fits into memory.
+    fn solve_large(
+        &self,
+        active: &[bool],
+        limit: usize,
+        block: &mut [f64],
+        progress: Progress<'_>,
+    ) -> Result<SolveReport, SolverError> {
+        let loads = block.to_vec();
+        let failure = match self.solve_iterative(active, format!("faster beyond {limit} unknowns"), block, progress) {
+            Err(failure @ SolverError::Iterative(_)) if !failure.is_interruption() => failure,
+            outcome => return outcome,
+        };
+        block.copy_from_slice(&loads);
+        let analysed = Arc::new(AnalysedLattice::new(LatticePattern::on_nodes(self.cells.lattice(), active))?);
+        if 8 * analysed.symbolic().factor_entries() > FALLBACK_BYTES {
+            return Err(failure);
+        }
+        self.factor_and_solve(analysed, active, format!("conjugate gradients did not converge ({failure})"), block)
+    }
+
+    fn solve_direct(&self, active: &[bool], reason: String, block: &mut [f64]) -> Result<SolveReport, SolverError> {
+        let analysed = Arc::new(AnalysedLattice::new(LatticePattern::on_nodes(self.cells.lattice(), active))?);
+        self.factor_and_solve(analysed, active, reason, block)
+    }
+
+    fn factor_and_solve(
+        &self,
+        analysed: Arc<AnalysedLattice>,
+        active: &[bool],
+        reason: String,
+        block: &mut [f64],
+    ) -> Result<SolveReport, SolverError> {
+        let unknowns = analysed.pattern().order();
+        let columns = block.len() / (3 * active.len());
+        let mut solver = DirectSolver::for_large(analysed, columns)?;
+        match solver.factor(self.cells, &self.support(active)) {
+            Err(SolverError::Cholesky(CholeskyError::NotPositiveDefinite { .. })) => {
+                solver.factor_shifted(self.cells, &self.support(active))?
+            }
+            outcome => outcome?,
+        }
+        let relative_residual = solver.solve_in_place(block);
+        match relative_residual <= TOLERANCE {
+            true => Ok(SolveReport { kind: "cholesky", reason, unknowns, iterations: 0, relative_residual }),
+            false => {
+                Err(SolverError::Inaccurate { residual: relative_residual, tolerance: TOLERANCE, order: unknowns })
+            }
+        }
+    }
+
+    fn support(&self, active: &[bool]) -> Support {
+        match self.hold {
+            Hold::Fixed(constraints) => Support::Constraints(constraints.clone()),
+            Hold::Equilibrium => free_support(self.cells.lattice(), self.spacing, &self.void(), active),
+        }
+    }
+
+    fn void(&self) -> Vec<bool> {
+        (0..self.cells.lattice().cell_count()).map(|c| self.cells.stiffness(c).is_none()).collect()
+    }
+
+    fn solve_iterative(
+        &self,
+        active: &[bool],
+        reason: String,
+        block: &mut [f64],
+        progress: Progress<'_>,
+    ) -> Result<SolveReport, SolverError> {
+        let free = Constraints::none(active.len());
+        let constraints = match self.hold {
+            Hold::Fixed(constraints) => constraints,
+            Hold::Equilibrium => &free,
+        };
+        let operator = MatrixFree::new(self.cells, constraints);
+        let parameters = MultigridParameters { spacing: self.spacing, ..MultigridParameters::default() };
+        let mut multigrid = Multigrid::new(&operator, self.cells, parameters)?;
+        let projector = self.rigid_motions(active);
+        let options = ConjugateGradientParameters { tolerance: TOLERANCE, max_iterations: MAX_ITERATIONS };
+        let unknowns = operator.free().iter().map(|bits| bits.count_ones() as usize).sum();
+        let mut report = SolveReport { kind: "multigrid-pcg", reason, unknowns, iterations: 0, relative_residual: 0.0 };
+        let mut solver = ConjugateGradients::new(&operator as &dyn LinearOperator, options);
+        if let Some(projector) = &projector {
+            solver = solver.with_projector(projector);
+        }
+        let mut solution = vec![0.0; 3 * active.len()];
+        for column in block.chunks_exact_mut(3 * active.len()) {
+            keep_free(column, operator.free());
+            solution.fill(0.0);
+            let info = solver.solve(column, &mut solution, &mut multigrid, &|_, residual| {
+                progress("solving", digits(residual), digits(TOLERANCE))
+            })?;
+            column.copy_from_slice(&solution);
+            report.iterations = report.iterations.max(info.iterations);
+            report.relative_residual = report.relative_residual.max(info.relative_residual);
+        }
+        Ok(report)
+    }
+
+    /// The rigid motions of a free body of one part; several parts have no such common kernel and need none removed,
+    /// because their loads are in equilibrium.
+    fn rigid_motions(&self, active: &[bool]) -> Option<RigidMotions> {
+        let lattice = self.cells.lattice();
+        match (self.hold, free_support(lattice, self.spacing, &self.void(), active)) {
+            (Hold::Equilibrium, Support::Constraints(_)) => RigidMotions::new(lattice, self.spacing, active).ok(),
+            _ => None,
+        }
+    }
+}
+
+/// Tenths of decimal digits won by a relative residual: what the progress of an iteration counts.
+fn digits(residual: f64) -> usize {
+    (-10.0 * residual.log10()).clamp(0.0, 1000.0) as usize
+}
+
+/// Sets entries that are no unknowns to zero.
+fn keep_free(column: &mut [f64], free: &[u8]) {
+    for (node, bits) in free.iter().enumerate() {
+        (0..3).filter(|r| bits >> r & 1 == 0).for_each(|r| column[3 * node + r] = 0.0);
     }
 }

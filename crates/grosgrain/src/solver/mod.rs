@@ -8,7 +8,7 @@ mod rigid_motions;
 
 pub use direct::{AnalysedLattice, DirectSolver, SolverError, Support};
 pub use free_support::free_support;
-pub use lattice_solver::{LatticeSolver, SolveReport, SolverChoice};
+pub use lattice_solver::{Hold, LatticeSystem, SolveReport, SolverChoice};
 pub use multigrid::{Cycle, Multigrid, MultigridError, MultigridParameters};
 pub use rigid_motions::RigidMotions;
 

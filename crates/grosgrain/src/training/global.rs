@@ -6,7 +6,7 @@ use crate::assembly::CellStiffness;
 use crate::fine::{FineModel, HARMONIC_FIELDS, constant_stress_loads};
 use crate::mesh::hull;
 use crate::progress::Progress;
-use crate::solver::{LatticeSolver, SolveReport, SolverChoice, free_support};
+use crate::solver::{Hold, LatticeSystem, SolveReport, SolverChoice};
 
 /// The six harmonic displacements h_αβ of the whole object (`kharevych2009numerical`): div(C:ε(h_αβ)) = 0 with the traction
 /// ½(e_α⊗e_β + e_β⊗e_α) n on the outer boundary; interior voids carry none.
@@ -30,10 +30,8 @@ impl HarmonicDisplacements {
         let void = &model.grid().void;
         let mut displacements = vec![0.0; 3 * HARMONIC_FIELDS * lattice.node_count()];
         constant_stress_loads(lattice, spacing, &hull(void, &lattice), &mut displacements);
-        let support = free_support(lattice, spacing, void, model.active());
-        let report = LatticeSolver::new(model, &support, choice, HARMONIC_FIELDS)
-            .and_then(|mut solver| solver.solve_in_place(&mut displacements, progress))
-            .map_err(TrainingError::Global)?;
+        let system = LatticeSystem { cells: model, spacing, hold: Hold::Equilibrium };
+        let report = system.solve(choice, &mut displacements, progress).map_err(TrainingError::Global)?;
         for column in displacements.chunks_exact_mut(3 * lattice.node_count()) {
             remove_rigid_motion(lattice, spacing, model.active(), column);
         }
