@@ -35,7 +35,7 @@ struct Case {
 }
 
 fn layers(at: [usize; 3], soft: f64) -> f64 {
-    if (at[0] + at[2]) / 4 % 2 == 0 { 1.0 } else { soft }
+    if ((at[0] + at[2]) / 4).is_multiple_of(2) { 1.0 } else { soft }
 }
 
 const CASES: [Case; 9] = [
@@ -47,7 +47,11 @@ const CASES: [Case; 9] = [
     Case { name: "oblique layers 1e3, nu 0.3", poisson: 0.3, factor: |at, _| layers(at, 1e-3) },
     Case { name: "oblique layers 1e6, nu 0.3", poisson: 0.3, factor: |at, _| layers(at, 1e-6) },
     Case { name: "voids 30 %, nu 0.3", poisson: 0.3, factor: |_, w| if w < 0.7 { 1.0 } else { 0.0 } },
-    Case { name: "flat layers 1e3, nu 0.3", poisson: 0.3, factor: |at, _| if at[2] / 3 % 2 == 0 { 1.0 } else { 1e-3 } },
+    Case {
+        name: "flat layers 1e3, nu 0.3",
+        poisson: 0.3,
+        factor: |at, _| if (at[2] / 3).is_multiple_of(2) { 1.0 } else { 1e-3 },
+    },
 ];
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

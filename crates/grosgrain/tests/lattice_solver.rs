@@ -73,10 +73,10 @@ fn dense(body: &Body, constraints: &Constraints) -> (Vec<f64>, Vec<bool>) {
         let Some((factor, matrix)) = body.stiffness(c) else { continue };
         let corners = body.lattice.corners(Cell(c));
         let global = |i: usize| 3 * corners[i / 3].0 + i % 3;
-        for e in 0..576 {
+        for (e, value) in matrix.iter().enumerate() {
             let (row, column) = (global(e / 24), global(e % 24));
             if free[row] && free[column] {
-                k[size * row + column] += factor * matrix[e];
+                k[size * row + column] += factor * value;
             }
         }
     }
