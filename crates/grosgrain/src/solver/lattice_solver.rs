@@ -57,7 +57,7 @@ pub struct SolveReport {
 
 /// Up to this many unknowns Cholesky is chosen for one right-hand side, and up to [`DIRECT_LIMIT_MANY`] for several.
 /// Measured with `examples/solver_choice.rs`.
-const DIRECT_LIMIT: usize = 60_000;
+const DIRECT_LIMIT: usize = 25_000;
 const DIRECT_LIMIT_MANY: usize = 150_000;
 /// Factors larger than this are not tried when conjugate gradients have failed [B].
 const FALLBACK_BYTES: usize = 6_000_000_000;
