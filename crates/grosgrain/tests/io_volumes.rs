@@ -96,7 +96,12 @@ fn oblique(values: impl Fn(usize) -> f64) -> Volume {
     Volume {
         cells,
         spacing: Some([x, y, z].map(|h| h * 1e-3)),
-        voxel_to_world: Some([[c * x, -s * y, 0.0, 1.0], [s * x, c * y, 0.0, -2.0], [0.0, 0.0, z, 3.5], [0., 0., 0., 1.]]),
+        voxel_to_world: Some([
+            [c * x, -s * y, 0.0, 1.0],
+            [s * x, c * y, 0.0, -2.0],
+            [0.0, 0.0, z, 3.5],
+            [0., 0., 0., 1.],
+        ]),
         integral: values.iter().all(|v| v.fract() == 0.0),
         values,
     }

@@ -90,7 +90,8 @@ pub(super) fn is_finite(affine: &Affine) -> bool {
 ///
 /// The spacing is what counts: it may have been overridden after reading.
 pub(super) fn affine_to_write(volume: &Volume, spacing: [f64; 3]) -> Affine {
-    let world = volume.voxel_to_world.filter(is_finite).unwrap_or(affine([[1., 0., 0.], [0., 1., 0.], [0., 0., 1.]], [0.0; 3]));
+    let world =
+        volume.voxel_to_world.filter(is_finite).unwrap_or(affine([[1., 0., 0.], [0., 1., 0.], [0., 0., 1.]], [0.0; 3]));
     let norms = column_norms(&world);
     let axis = |c: usize| {
         let mm = spacing[c] / METRES_PER_MM;

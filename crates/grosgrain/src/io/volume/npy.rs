@@ -45,18 +45,15 @@ pub(super) fn write(mut out: impl Write, volume: &Volume) -> Result<(), WriteErr
     out.write_all(MAGIC)?;
     out.write_all(&[1, 0])?;
     out.write_all(&(padded as u16).to_le_bytes())?;
-    write!(out, "{dictionary:<width$}\n", width = padded - 1)?;
+    writeln!(out, "{dictionary:<width$}", width = padded - 1)?;
     out.write_all(&scalar.encode(&volume.values))?;
     Ok(())
 }
 
 /// The header's dictionary as text, and the data.
 fn split(bytes: &[u8]) -> Result<(&str, &[u8]), ReadError> {
-    let truncated = |needed: usize| ReadError::Truncated {
-        part: "header bytes",
-        needed: needed as u64,
-        found: bytes.len() as u64,
-    };
+    let truncated =
+        |needed: usize| ReadError::Truncated { part: "header bytes", needed: needed as u64, found: bytes.len() as u64 };
     if !bytes.starts_with(MAGIC) {
         let found = bytes[..bytes.len().min(MAGIC.len())].escape_ascii().to_string();
         return Err(field_error("magic", &found, "\\x93NUMPY"));

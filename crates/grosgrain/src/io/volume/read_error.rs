@@ -46,7 +46,9 @@ pub enum ReadError {
         found: u64,
     },
     /// Fewer text-encoded values than the header says.
-    #[error("the voxel data are cut off: {needed} numbers are needed, {found} are there; fetch or write the file again")]
+    #[error(
+        "the voxel data are cut off: {needed} numbers are needed, {found} are there; fetch or write the file again"
+    )]
     TextTruncated {
         /// Numbers that the header asks for.
         needed: u64,

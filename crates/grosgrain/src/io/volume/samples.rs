@@ -214,7 +214,9 @@ mod tests {
 
     #[test]
     fn half_precision_numbers_have_their_ieee_values() {
-        for (bits, value) in [(0x3c00, 1.0), (0xc000, -2.0), (0x7bff, 65504.0), (1, 2f64.powi(-24)), (0x3555, 0.333251953125)] {
+        for (bits, value) in
+            [(0x3c00, 1.0), (0xc000, -2.0), (0x7bff, 65504.0), (1, 2f64.powi(-24)), (0x3555, 0.333251953125)]
+        {
             assert_eq!(half_to_f64(bits), value, "bits {bits:#06x}");
         }
         assert_eq!(half_to_f64(0x7c00), f64::INFINITY);

@@ -127,6 +127,7 @@ pub struct SeriesSummary {
 }
 
 fn list(series: &[SeriesSummary]) -> String {
-    let one = |s: &SeriesSummary| format!("`{}` with {} slices, e.g. {} (UID {})", s.description, s.slices, s.file, s.uid);
+    let one =
+        |s: &SeriesSummary| format!("`{}` with {} slices, e.g. {} (UID {})", s.description, s.slices, s.file, s.uid);
     series.iter().map(one).collect::<Vec<_>>().join("; ")
 }

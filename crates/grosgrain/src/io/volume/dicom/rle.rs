@@ -17,7 +17,8 @@ pub(super) fn decode(frame: &[u8], pixels: usize, width: usize) -> Result<Vec<u8
     for segment in 0..width {
         let start = entry(segment + 1).unwrap_or(0);
         let end = if segment + 1 < width { entry(segment + 2).unwrap_or(0) } else { frame.len() };
-        let packed = frame.get(start..end).ok_or_else(|| damaged(start, "a run-length segment lies outside its frame"))?;
+        let packed =
+            frame.get(start..end).ok_or_else(|| damaged(start, "a run-length segment lies outside its frame"))?;
         planes.push(unpack(packed, pixels)?);
     }
     let byte = |pixel: usize, significance: usize| planes[width - 1 - significance][pixel];

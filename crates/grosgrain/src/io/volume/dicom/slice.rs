@@ -178,9 +178,7 @@ fn stored_pixels(data: &DataSet, pixels: &Pixels, size: [u32; 2], word: Word) ->
                 Err(ReadError::Truncated { part: "pixel data", needed, found })
             }
         },
-        Pixels::Fragments(fragments) if data.run_length => {
-            rle::decode(&fragments.concat(), count, word.scalar.size())
-        }
+        Pixels::Fragments(fragments) if data.run_length => rle::decode(&fragments.concat(), count, word.scalar.size()),
         _ => Err(DicomError::Damaged { at: 0, reason: "the pixels are not stored as the transfer syntax says" }.into()),
     }
 }

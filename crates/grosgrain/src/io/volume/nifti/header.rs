@@ -133,7 +133,11 @@ impl Header {
 fn quaternion_affine([b, c, d, x, y, z]: [f64; 6], pixdim: [f64; 4]) -> Result<Affine, ReadError> {
     let squares = b * b + c * c + d * d;
     if !squares.is_finite() {
-        return Err(field_error("quaternion", format!("{b}, {c}, {d}"), "three numbers whose squares sum to at most 1"));
+        return Err(field_error(
+            "quaternion",
+            format!("{b}, {c}, {d}"),
+            "three numbers whose squares sum to at most 1",
+        ));
     }
     let (a, [b, c, d]) = match 1.0 - squares {
         rest if rest >= 1e-7 => (rest.sqrt(), [b, c, d]),

@@ -92,9 +92,9 @@ impl Header {
             None => [0.0; 3],
             Some(text) => self.vector("space origin", text)?,
         };
-        let world = self.mirror_to_ras().map(|signs| -> Affine {
-            geometry::mirrored(geometry::affine(directions, scaled(origin)), signs)
-        });
+        let world = self
+            .mirror_to_ras()
+            .map(|signs| -> Affine { geometry::mirrored(geometry::affine(directions, scaled(origin)), signs) });
         Ok(Geometry { cells, spacing: Some(spacing), voxel_to_world: world })
     }
 
@@ -210,7 +210,12 @@ fn scalar(fields: &Fields) -> Result<ScalarType, ReadError> {
         "ushort" | "unsigned short" | "unsigned short int" | "uint16" | "uint16_t" => Ok(ScalarType::U16),
         "int" | "signed int" | "int32" | "int32_t" => Ok(ScalarType::I32),
         "uint" | "unsigned int" | "uint32" | "uint32_t" => Ok(ScalarType::U32),
-        "longlong" | "long long" | "long long int" | "signed long long" | "signed long long int" | "int64"
+        "longlong"
+        | "long long"
+        | "long long int"
+        | "signed long long"
+        | "signed long long int"
+        | "int64"
         | "int64_t" => Ok(ScalarType::I64),
         "ulonglong" | "unsigned long long" | "unsigned long long int" | "uint64" | "uint64_t" => Ok(ScalarType::U64),
         "float" => Ok(ScalarType::F32),
@@ -261,7 +266,11 @@ fn spatial_axes(fields: &Fields) -> Result<([usize; 3], [u64; 3]), ReadError> {
     // Axes that are not space go first: those the header marks, then the last ones.
     for axis in (0..dimension).filter(|a| !is_spatial(fields, *a)) {
         if sizes[axis] != 1 {
-            return Err(ReadError::SeveralVolumes { count: sizes[axis], kind: kind_of(fields, axis), example: EXAMPLE });
+            return Err(ReadError::SeveralVolumes {
+                count: sizes[axis],
+                kind: kind_of(fields, axis),
+                example: EXAMPLE,
+            });
         }
         spatial.retain(|a| *a != axis);
     }
@@ -280,8 +289,7 @@ fn spatial_axes(fields: &Fields) -> Result<([usize; 3], [u64; 3]), ReadError> {
 fn is_spatial(fields: &Fields, axis: usize) -> bool {
     let kind = fields.get(&["kinds"]).and_then(|kinds| kinds.split_ascii_whitespace().nth(axis));
     let direction = fields.get(&["spacedirections"]).and_then(|text| vectors(text).get(axis).copied());
-    matches!(kind, None | Some("domain" | "space" | "none" | "???" | "stub"))
-        && !matches!(direction, Some("none"))
+    matches!(kind, None | Some("domain" | "space" | "none" | "???" | "stub")) && !matches!(direction, Some("none"))
 }
 
 fn kind_of(fields: &Fields, axis: usize) -> &'static str {
