@@ -1,6 +1,7 @@
 //! Files that hold no usable volume are refused with a sentence that names the place, the numbers and what to do.
 
 use grosgrain::io::read_volume;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 fn fixture(name: &str) -> Vec<u8> {
@@ -252,6 +253,9 @@ fn bad_npy() {
 fn files_of_no_known_format() {
     refused("a.raw", b"12345678", &["in no format that is read", "Raw voxel data need a header"]);
     refused("a.vtk", b"# vtk DataFile", &["in no format that is read"]);
+    let mut gzip = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::default());
+    gzip.write_all(&fixture("nrrd_u1_raw.nrrd")).unwrap();
+    refused("a.nrrd.gz", &gzip.finish().unwrap(), &["a gzip-compressed NRRD file", "gunzip"]);
     let folder = tempfile::tempdir().unwrap();
     refused_path(folder.path(), &["neither .tif files nor DICOM slices (0 files"]);
     refused_path(&folder.path().join("gone.nii"), &["cannot be read"]);

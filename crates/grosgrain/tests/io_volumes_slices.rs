@@ -152,7 +152,9 @@ fn dicom_elements_without_use() {
     folder_refused(&files, &["c.dcm", "BitsAllocated (0028,0100) is `12`"]);
     let samples = |n: u8| [0x28, 0, 2, 0, b'U', b'S', 2, 0, n, 0];
     files[0].1 = fixture(&format!("{CT}/c.dcm"), &[(&samples(1), &samples(3))]);
-    folder_refused(&files, &["colour image (3 samples per pixel)"]);
+    folder_refused(&files, &["colour image (3 samples per pixel"]);
+    files[0].1 = fixture(&format!("{CT}/c.dcm"), &[(b"MONOCHROME2 ", b"PALETTECOLOR")]);
+    folder_refused(&files, &["colour image (1 samples per pixel, PALETTECOLOR)"]);
     // ImagePositionPatient (0020,0032) becomes an element that nobody asks for.
     files[0].1 = fixture(&format!("{CT}/c.dcm"), &[(&[0x20, 0, 0x32, 0], &[0x20, 0, 0x33, 0])]);
     folder_refused(&files, &["ImagePositionPatient (0020,0032) is missing"]);
