@@ -39,9 +39,8 @@ impl VolumeFormat {
     /// The format that a file's content shows by its first bytes; `None` if none of the known marks stands there.
     pub fn of_content(bytes: &[u8]) -> Option<Self> {
         let header_size = bytes.first_chunk::<4>().map(|b| (u32::from_le_bytes(*b), u32::from_be_bytes(*b)));
-        match header_size {
-            Some((348 | 540, _) | (_, 348 | 540)) => return Some(Self::Nifti),
-            _ => {}
+        if let Some((348 | 540, _) | (_, 348 | 540)) = header_size {
+            return Some(Self::Nifti);
         }
         let marks: [(&[u8], Self); 6] = [
             (b"NRRD000", Self::Nrrd),

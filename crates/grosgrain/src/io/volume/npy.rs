@@ -45,7 +45,7 @@ pub(super) fn write(mut out: impl Write, volume: &Volume) -> Result<(), WriteErr
     out.write_all(MAGIC)?;
     out.write_all(&[1, 0])?;
     out.write_all(&(padded as u16).to_le_bytes())?;
-    write!(out, "{dictionary:<width$}\n", width = padded - 1)?;
+    writeln!(out, "{dictionary:<width$}", width = padded - 1)?;
     out.write_all(&scalar.encode(&volume.values))?;
     Ok(())
 }

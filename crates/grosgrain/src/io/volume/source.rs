@@ -23,6 +23,10 @@ pub(super) fn read_one(path: &Path) -> Result<Volume, ReadError> {
         read_file(&path).map_err(|e| e.in_file(&path))
     };
     match format.ok_or(ReadError::UnknownFormat)? {
+        other if is_gzip(&bytes) && other != VolumeFormat::Nifti => Err(ReadError::Unsupported {
+            what: format!("a gzip-compressed {other} file"),
+            remedy: "expand it with gunzip; only NIfTI is read compressed as a whole",
+        }),
         VolumeFormat::Nifti if has_ending(path, &[".hdr", ".hdr.gz"]) => {
             read_nifti_pair(path, &companion(path, ["img", "img.gz"])?)
         }

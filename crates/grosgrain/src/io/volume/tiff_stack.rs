@@ -69,7 +69,8 @@ impl Stack {
         Geometry { cells, spacing: None, voxel_to_world: None }.with_values(self.values)
     }
 
-    /// Refuses pages that are not grey or not as large as the first; returns the most pixels that the file can hold.
+    /// Refuses pages that are not grey, not as large as the first or larger than their data can be; returns the
+    /// most pixels that all pages together can have.
     fn check_page(&mut self, decoder: &mut Decoder<Cursor<&[u8]>>, length: usize) -> Result<usize, ReadError> {
         let (width, height) = decoder.dimensions().map_err(|e| self.error(e))?;
         let found = [width, height];
@@ -77,24 +78,32 @@ impl Stack {
         if found != expected {
             return Err(ReadError::PageSize { page: self.pages + 1, found, expected });
         }
-        match decoder.colortype().map_err(|e| self.error(e))? {
-            ColorType::Gray(8 | 16 | 32 | 64) => {}
+        let bits = match decoder.colortype().map_err(|e| self.error(e))? {
+            ColorType::Gray(bits @ (8 | 16 | 32 | 64)) => bits,
             other => return Err(unsupported(format!("a TIFF page of type {other:?}"))),
-        }
+        };
         let photometric = self.tag(decoder, Tag::PhotometricInterpretation)?;
         if photometric == Some(PhotometricInterpretation::WhiteIsZero.to_u16()) {
             return Err(unsupported("a TIFF page that stores white as zero".into()));
         }
         let ratio = expansion(self.tag(decoder, Tag::Compression)?)?;
-        let most = length.saturating_mul(ratio);
-        match u64::from(width) * u64::from(height) <= most as u64 {
-            true => Ok(most),
-            false => Err(ReadError::Truncated {
-                part: "pixels of a TIFF page",
-                needed: u64::from(width) * u64::from(height),
-                found: most as u64,
-            }),
+        let stored = self.stored_bytes(decoder)?.min(length as u64);
+        let most = stored.saturating_mul(ratio as u64);
+        let needed = u64::from(width).saturating_mul(u64::from(height)).saturating_mul(u64::from(bits / 8));
+        match needed <= most {
+            true => Ok(length.saturating_mul(ratio)),
+            false => Err(ReadError::Truncated { part: "pixels of a TIFF page", needed, found: most }),
         }
+    }
+
+    /// The bytes of all strips or tiles of a page, as its directory has them.
+    fn stored_bytes(&self, decoder: &mut Decoder<Cursor<&[u8]>>) -> Result<u64, ReadError> {
+        let mut bytes = 0u64;
+        for tag in [Tag::StripByteCounts, Tag::TileByteCounts] {
+            let counts = decoder.find_tag_unsigned_vec::<u64>(tag).map_err(|e| self.error(e))?;
+            bytes = counts.into_iter().flatten().fold(bytes, u64::saturating_add);
+        }
+        Ok(bytes)
     }
 
     fn tag(&self, decoder: &mut Decoder<Cursor<&[u8]>>, tag: Tag) -> Result<Option<u16>, ReadError> {

@@ -16,6 +16,9 @@ const UNDEFINED: u32 = u32::MAX;
 /// Deeper nesting than any standard sequence.
 const DEEPEST: usize = 32;
 
+/// Tags and values in the order of the file.
+type Elements<'a> = Vec<(Tag, &'a [u8])>;
+
 /// The pixels of a file.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Pixels<'a> {
@@ -32,7 +35,7 @@ pub(super) struct DataSet<'a> {
     pub run_length: bool,
     /// `None` in a file without an image.
     pub pixels: Option<Pixels<'a>>,
-    elements: Vec<(Tag, &'a [u8])>,
+    elements: Elements<'a>,
 }
 
 impl<'a> DataSet<'a> {
@@ -188,7 +191,7 @@ impl<'a> Cursor<'a> {
     }
 
     /// Elements up to the pixels or the end of the file.
-    fn data_set(mut self) -> Result<(Vec<(Tag, &'a [u8])>, Option<Pixels<'a>>), ReadError> {
+    fn data_set(mut self) -> Result<(Elements<'a>, Option<Pixels<'a>>), ReadError> {
         let mut elements = Vec::new();
         while !self.rest().is_empty() {
             let element = self.header()?;

@@ -15,6 +15,7 @@ const SERIES_NUMBER: Tag = (0x0020, 0x0011);
 const POSITION: Tag = (0x0020, 0x0032);
 const ORIENTATION: Tag = (0x0020, 0x0037);
 const SAMPLES_PER_PIXEL: Tag = (0x0028, 0x0002);
+const PHOTOMETRIC: Tag = (0x0028, 0x0004);
 const FRAMES: Tag = (0x0028, 0x0008);
 const ROWS: Tag = (0x0028, 0x0010);
 const COLUMNS: Tag = (0x0028, 0x0011);
@@ -139,10 +140,12 @@ fn refuse_colour_and_frames(data: &DataSet) -> Result<(), ReadError> {
         Err(_) if frames.is_empty() => {}
         Err(_) => return Err(wrong("NumberOfFrames (0028,0008)", frames, "a whole number").into()),
     }
-    match data.number(SAMPLES_PER_PIXEL) {
-        None | Some(1) => Ok(()),
-        Some(samples) => Err(ReadError::Unsupported {
-            what: format!("a colour image ({samples} samples per pixel)"),
+    let photometric = data.text(PHOTOMETRIC);
+    let samples = data.number(SAMPLES_PER_PIXEL).unwrap_or(1);
+    match (samples, photometric) {
+        (1, "" | "MONOCHROME1" | "MONOCHROME2") => Ok(()),
+        _ => Err(ReadError::Unsupported {
+            what: format!("a colour image ({samples} samples per pixel, {photometric})"),
             remedy: "give the series of grey slices",
         }),
     }
