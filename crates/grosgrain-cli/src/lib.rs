@@ -3,6 +3,7 @@
 pub mod arguments;
 pub mod body;
 pub mod commands;
+pub mod deformed_volume;
 pub mod failure;
 pub mod frames;
 pub mod interruption;

@@ -84,7 +84,14 @@ struct Drawing<'a> {
 impl<'a> Drawing<'a> {
     fn new(problem: &'a Problem, displacement: &[f64]) -> Self {
         let grid = problem.model.grid();
-        let faces = boundary_faces(&grid.void, &grid.lattice);
+        let mut hidden = grid.void.clone();
+        if let Some(hide) = &problem.scene.output.hide {
+            hidden.iter_mut().zip(hide.cells(grid)).for_each(|(hidden, cut)| *hidden |= cut);
+        }
+        if hidden.iter().all(|h| *h) {
+            hidden.clone_from(&grid.void);
+        }
+        let faces = boundary_faces(&hidden, &grid.lattice);
         let (mut nodes, mut row_of) = (Vec::new(), HashMap::new());
         for node in faces.iter().flat_map(|face| face.corners) {
             row_of.entry(node).or_insert_with(|| {

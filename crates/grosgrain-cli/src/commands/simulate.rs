@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use clap::Args;
 
+use crate::deformed_volume;
 use crate::failure::Failure;
 use crate::frames;
 use crate::method::Method;
@@ -55,6 +56,12 @@ pub fn run(arguments: &Arguments, progress: &Progress) -> Result<(), Failure> {
     if problem.scene.output.picture {
         progress.say("drawing the picture");
         written.push(picture::write(&problem, method, (runs.coarse.as_ref(), runs.fine.as_ref()), &folder)?);
+    }
+    let shown = runs.coarse.as_ref().map(|run| &run.solution.displacement);
+    let shown = shown.or(runs.fine.as_ref().map(|run| &run.solution.displacement));
+    if let Some(displacement) = shown.filter(|_| problem.scene.output.volume) {
+        progress.say("resampling the deformed volume");
+        written.push(deformed_volume::write(&problem, displacement, &folder)?);
     }
     problem.seconds.insert("output".into(), writing.elapsed().as_secs_f64());
     problem.seconds.insert("total".into(), start.elapsed().as_secs_f64());

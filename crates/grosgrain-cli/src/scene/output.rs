@@ -1,9 +1,12 @@
 //! What a run writes: `[output]`.
 
+use grosgrain::mesh::Selector;
+
 use super::document::{Item, Reading};
+use super::selector::read_selector;
 
 /// The `[output]` table.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Output {
     /// Every how many steps a frame is written.
     pub frames: usize,
@@ -13,26 +16,30 @@ pub struct Output {
     pub volume: bool,
     /// Whether the fine model runs too, for comparison.
     pub compare_with_fine: bool,
+    /// Cells that pictures leave out, to show the inside.
+    pub hide: Option<Selector>,
 }
 
 impl Default for Output {
     fn default() -> Self {
-        Self { frames: 1, picture: false, volume: false, compare_with_fine: false }
+        Self { frames: 1, picture: false, volume: false, compare_with_fine: false, hide: None }
     }
 }
 
 /// Reads `[output]`.
 pub fn read_output(item: &Item) -> Reading<Output> {
-    let section = item.section(&["frames", "picture", "volume", "compare"])?;
+    let section = item.section(&["frames", "picture", "volume", "compare", "hide"])?;
     let default = Output::default();
     let frames = section.optional("frames", Item::count);
     let picture = section.optional("picture", Item::boolean);
     let volume = section.optional("volume", Item::boolean);
     let compare = section.optional("compare", |c| c.choice(&[("fine", true)]));
+    let hide = section.optional("hide", read_selector);
     Ok(Output {
         frames: frames?.unwrap_or(default.frames),
         picture: picture?.unwrap_or(default.picture),
         volume: volume?.unwrap_or(default.volume),
         compare_with_fine: compare?.unwrap_or(default.compare_with_fine),
+        hide: hide?,
     })
 }

@@ -17,6 +17,7 @@ mod surface;
 mod uniform;
 mod volume;
 mod voxel_grid;
+mod warp;
 
 pub use components::{Components, Removed, keep_largest, remove_floating};
 pub use hull::hull;
@@ -33,3 +34,4 @@ pub use support::{HeldBy, LoosePart, loose_parts, parts_loose_from_largest};
 pub use surface::{BoundaryFace, boundary_faces};
 pub use volume::Volume;
 pub use voxel_grid::{Label, VoxelGrid, VoxelGridError};
+pub use warp::{WarpedBody, warp};
