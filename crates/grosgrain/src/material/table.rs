@@ -7,6 +7,7 @@ use crate::mesh::Label;
 
 /// The elastic part of a material.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "a table holds a handful of materials, and copies keep them simple")]
 pub enum Elasticity {
     /// Two constants.
     Isotropic(IsotropicMaterial),

@@ -52,7 +52,7 @@ fn bounds(grid: &VoxelGrid, displacement: &[f64]) -> Option<([isize; 3], [isize;
     for cell in (0..grid.lattice.cell_count()).map(Cell).filter(|c| !grid.void[c.0]) {
         for corner in corner_positions(grid, cell, displacement) {
             for a in 0..3 {
-                if !(corner[a].abs() < 1e9) {
+                if corner[a].is_nan() || corner[a].abs() >= 1e9 {
                     return None;
                 }
                 low[a] = low[a].min(corner[a].floor() as isize);
