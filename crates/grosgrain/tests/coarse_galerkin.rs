@@ -80,7 +80,7 @@ fn exactly_six_modes_of_the_galerkin_stiffness_carry_no_energy() {
                 let values = eigenvalues(built.model.cell_stiffness(index));
                 let top = values[COLUMNS - 1];
                 assert!(largest(&values[..6]) < 1e-12 * top, "{name}: {:?} of {top:.2e}", &values[..6]);
-                assert!(values[6] > 1e-7 * top, "{name}: the seventh is {:.1e} of {top:.1e}", values[6]);
+                assert!(values[6] > 1e-4 * top, "{name}: the seventh is {:.1e} of {top:.1e}", values[6]);
             }
         }
     }

@@ -9,9 +9,8 @@ use grosgrain::dynamics::solve_coarse;
 use grosgrain::fine::{FineModel, constant_stress_loads, traction};
 use grosgrain::material::Elasticity;
 use grosgrain::mesh::{Cell, Label, Lattice, Node, VoxelGrid, hull};
-use grosgrain::partition::CoarseNode;
 use grosgrain::progress::silent;
-use grosgrain::solver::{LatticeSolver, SolverChoice, free_support};
+use grosgrain::solver::{Hold, LatticeSystem, SolverChoice};
 use grosgrain::training::{HarmonicDisplacements, TrainingKind};
 
 const SPACING: [f64; 3] = [1.0, 0.5, 1.5];
@@ -96,18 +95,13 @@ fn error_of_stress_states(model: &FineModel, built: &Built) -> f64 {
     constant_stress_loads(lattice, spacing, &hull(&model.grid().void, &lattice), &mut loads);
     let exact = HarmonicDisplacements::solve(model, SolverChoice::Direct, &silent).unwrap();
     let embedding = Embedding::new(model, &built.model);
-    let coarse = partition.coarse();
-    let mut active = vec![false; coarse.node_count()];
-    built.model.nodes().iter().for_each(|n: &CoarseNode| active[n.0] = true);
-    let void: Vec<bool> =
-        (0..coarse.cell_count()).map(|c| built.model.index_of(grosgrain::partition::CoarseCell(c)).is_none()).collect();
-    let support = free_support(coarse, spacing.map(|h| h * partition.degree() as f64), &void, &active);
-    let mut solver = LatticeSolver::new(&built.model, &support, SolverChoice::Direct, 1).unwrap();
+    let coarse_spacing = spacing.map(|h| h * partition.degree() as f64);
+    let system = LatticeSystem { cells: &built.model, spacing: coarse_spacing, hold: Hold::Equilibrium };
     let stride = 3 * lattice.node_count();
     let mut worst = 0.0f64;
     for (f, u) in loads.chunks_exact(stride).zip(exact.displacements.chunks_exact(stride)) {
         let mut solution = embedding.restrict(f);
-        solver.solve_in_place(&mut solution, &silent).unwrap();
+        system.solve(SolverChoice::Direct, &mut solution, &silent).unwrap();
         let embedded = embedding.prolong(&solution);
         worst = worst.max(strain_difference(model, lattice, &embedded, u));
     }

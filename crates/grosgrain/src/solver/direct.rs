@@ -10,7 +10,10 @@ use crate::linalg::{Cholesky, CholeskyError, ConjugateGradientError, SymbolicCho
 const SHIFT: f64 = 1e-9;
 /// A shifted solve is refined until its relative residual is below this.
 const REFINED_RESIDUAL: f64 = 1e-12;
-const MAX_REFINEMENTS: usize = 12;
+const MAX_REFINEMENTS: usize = 60;
+/// Refinement ends when a step leaves more than this share of the residual. A motion of stiffness λ keeps s / (λ + s) of its error
+/// under the shift s, which is close to one for slender soft parts beside stiff ones.
+const STALLED: f64 = 0.9;
 
 /// What keeps a body from moving as a rigid whole.
 #[derive(Clone, Debug, PartialEq)]
@@ -233,7 +236,7 @@ impl DirectSolver {
                 return 0.0;
             }
             let worst = (0..columns).fold(0.0f64, |worst, c| worst.max(self.update_residual(c)));
-            let stalled = worst > 0.5 * reached;
+            let stalled = worst > STALLED * reached;
             reached = reached.min(worst);
             if worst <= REFINED_RESIDUAL || stalled {
                 break;

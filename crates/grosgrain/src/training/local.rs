@@ -13,7 +13,7 @@ use crate::fine::{FineModel, HARMONIC_FIELDS, constant_stress_loads};
 use crate::mesh::{Cell, Lattice, Node, hull};
 use crate::partition::{CellBox, CoarseCell, Partition};
 use crate::progress::Progress;
-use crate::solver::{AnalysedLattice, DirectSolver, SolverError, free_support};
+use crate::solver::{AnalysedLattice, DirectSolver, SolverError, TOLERANCE, free_support};
 
 /// The domain of a local problem.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -108,7 +108,11 @@ impl LocalTrainer {
         let spacing = model.grid().spacing;
         constant_stress_loads(lattice, spacing, &hull(&void, &lattice), &mut workspace.fields);
         workspace.solver.factor(&window, &free_support(lattice, spacing, &void, &active))?;
-        workspace.solver.solve_in_place(&mut workspace.fields);
+        let residual = workspace.solver.solve_in_place(&mut workspace.fields);
+        if !(residual <= TOLERANCE) {
+            let order = workspace.solver.analysed().pattern().order();
+            return Err(SolverError::Inaccurate { residual, tolerance: TOLERANCE, order });
+        }
         let nodes = self.nodes_in(domain, cell);
         Ok(CellCutter::new(&self.partition, spacing).cut(&nodes, &active, &workspace.fields))
     }
