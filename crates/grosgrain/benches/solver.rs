@@ -1,4 +1,4 @@
-//! The stiffness of a whole body: analysis, assembly, factorisation, solve.
+//! The stiffness of a whole body: analysis, assembly, factorisation, solve; and iteration instead.
 
 #[path = "cases/mod.rs"]
 mod cases;
@@ -8,7 +8,7 @@ mod per_node;
 mod simplicial;
 
 use cases::Outcome;
-use cases::lattice::{LatticeCase, analyse};
+use cases::lattice::{IterativeCase, LatticeCase, analyse};
 use criterion::Criterion;
 
 fn main() -> Outcome<()> {
@@ -23,6 +23,13 @@ fn main() -> Outcome<()> {
         group.bench_function("solve", |b| b.iter(|| case.solve()));
         group.finish();
     }
+    let mut group = criterion.benchmark_group("conjugate gradients, 24³ cells");
+    for ratio in [1.0, 1000.0] {
+        let mut case = IterativeCase::new(24, ratio)?;
+        case.solve()?;
+        group.bench_function(format!("ratio {ratio}"), |b| b.iter(|| case.solve()));
+    }
+    group.finish();
     criterion.final_summary();
     Ok(())
 }

@@ -173,7 +173,7 @@ fn multiplier_factor(projected: &Projected) -> Option<Triangle> {
             let entry = dot(&projected[i], &projected[j]) - known;
             lower[i][j] = if i == j { entry.sqrt() } else { entry / lower[j][j] };
         }
-        if !(lower[i][i] > 0.0) {
+        if lower[i][i].is_nan() || lower[i][i] <= 0.0 {
             return None;
         }
     }

@@ -47,8 +47,11 @@ impl FitCase {
         Ok(())
     }
 
-    /// Largest difference of the last fit from `other`, relative to the largest entry.
+    /// Largest difference of the last fit from `other`, relative to the largest entry; infinite if an entry is not finite.
     pub fn difference(&self, other: &[f64]) -> f64 {
+        if !self.functions.iter().all(|v| v.is_finite()) {
+            return f64::INFINITY;
+        }
         let size = other.iter().fold(0.0f64, |m, v| m.max(v.abs()));
         self.functions.iter().zip(other).fold(0.0f64, |m, (a, b)| m.max((a - b).abs())) / size
     }

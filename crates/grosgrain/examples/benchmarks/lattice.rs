@@ -1,9 +1,9 @@
 //! The stiffness of whole bodies: analysis, assembly, factorisation, solve.
 
 use super::cases::Outcome;
-use super::cases::lattice::{LatticeCase, analyse};
+use super::cases::lattice::{IterativeCase, LatticeCase, analyse};
 use super::machine::{Machine, copy_rate};
-use super::measure::{Effort, MILLI, digits, measure};
+use super::measure::{Effort, MILLI, digits, measure, measure_once};
 use super::table::Table;
 
 pub fn section(machine: &Machine, effort: &Effort) -> Outcome<String> {
@@ -65,9 +65,36 @@ pub fn section(machine: &Machine, effort: &Effort) -> Outcome<String> {
     Ok(format!(
         "## Stiffness of a whole body\n\nA cube held at one end, one thread. Assembly writes the lower triangle straight into the analysed pattern.\n\n{}\n\
          The factor's floor counts operations, the solve's the bytes of the factor read twice (forward and backward) for one right-hand side.\n\n{}\n\
-         At the largest size the factorisation runs at {} % of the peak rate.\n",
+         At the largest size the factorisation runs at {} % of the peak rate.\n\n{}",
         assembly.text(),
         solution.text(),
         digits(100.0 * share),
+        iterations(effort)?,
+    ))
+}
+
+fn iterations(effort: &Effort) -> Outcome<String> {
+    let mut table =
+        Table::new(&["cells", "unknowns", "ratio of moduli", "iterations", "relative residual", "s", "µs per unknown"]);
+    let (mut fewest, mut most) = (usize::MAX, 0);
+    for (&cells, ratio) in effort.iterative.iter().flat_map(|cells| [(cells, 1.0), (cells, 1000.0)]) {
+        let mut case = IterativeCase::new(cells, ratio)?;
+        let (report, spread) = measure_once(|| case.solve());
+        let report = report?;
+        (fewest, most) = (fewest.min(report.iterations), most.max(report.iterations));
+        table.row(&[
+            format!("{cells}³"),
+            report.unknowns.to_string(),
+            ratio.to_string(),
+            report.iterations.to_string(),
+            format!("{:.1e}", report.relative_residual),
+            digits(spread.median),
+            digits(spread.median / report.unknowns as f64 / 1e-6),
+        ]);
+    }
+    Ok(format!(
+        "Conjugate gradients preconditioned by multigrid, all threads, one right-hand side (gravity), set-up included, timed once:\n\n{}\n\
+         Between {fewest} and {most} iterations.\n",
+        table.text(),
     ))
 }

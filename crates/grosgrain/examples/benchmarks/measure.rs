@@ -9,15 +9,30 @@ pub struct Effort {
     pub largest_coupled: usize,
     pub largest_simplicial: usize,
     pub lattices: &'static [usize],
+    pub iterative: &'static [usize],
 }
 
 impl Effort {
     pub fn full() -> Self {
-        Self { samples: 15, largest_degree: 7, largest_coupled: 4, largest_simplicial: 4, lattices: &[16, 24, 32] }
+        Self {
+            samples: 15,
+            largest_degree: 7,
+            largest_coupled: 4,
+            largest_simplicial: 4,
+            lattices: &[16, 24, 32],
+            iterative: &[32, 64],
+        }
     }
 
     pub fn quick() -> Self {
-        Self { samples: 3, largest_degree: 2, largest_coupled: 2, largest_simplicial: 2, lattices: &[4] }
+        Self {
+            samples: 3,
+            largest_degree: 2,
+            largest_coupled: 2,
+            largest_simplicial: 2,
+            lattices: &[4],
+            iterative: &[8],
+        }
     }
 }
 
@@ -82,7 +97,7 @@ pub fn digits(value: f64) -> String {
         v if v >= 0.9995 => format!("{value:.2}"),
         v if v >= 0.09995 => format!("{value:.3}"),
         v if v >= 0.001 => format!("{value:.4}"),
-        v if v == 0.0 => "0".to_owned(),
+        0.0 => "0".to_owned(),
         _ => format!("{value:.1e}"),
     }
 }
