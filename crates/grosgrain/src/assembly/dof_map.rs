@@ -40,6 +40,11 @@ impl Constraints {
         self.fixed[node] >> component & 1 == 1
     }
 
+    /// Whether no component of the node is prescribed.
+    pub fn is_free(&self, node: usize) -> bool {
+        self.fixed[node] == 0
+    }
+
     /// Number of prescribed components.
     pub fn count(&self) -> usize {
         self.fixed.iter().map(|f| f.count_ones() as usize).sum()

@@ -91,45 +91,71 @@ impl LatticePattern {
     /// Adds up the cell matrices into the pattern's values. Prescribed components and nodes without a solid
     /// cell become identity rows and columns.
     pub fn assemble_into(&self, cells: &dyn CellStiffness, constraints: &Constraints, values: &mut [f64]) {
-        let mut stencil = [[[0.0; 3]; 27]; 3];
+        let mut blocks = [[0.0; 9]; 27];
         let mut next = 0;
         for (rank, &node) in self.nodes.iter().enumerate() {
-            let node = node as usize;
-            self.node_stencil(cells, node, &mut stencil);
             let neighbours = self.neighbours_of(rank);
-            for (column, entries) in stencil.iter().enumerate() {
-                let fixed = constraints.is_fixed(node, column);
-                for &code in neighbours {
-                    let other = neighbour(self.lattice, node, code);
-                    let first = if code == CENTRE { column } else { 0 };
-                    for row in first..3 {
-                        let diagonal = code == CENTRE && row == column;
-                        let entry = entries[usize::from(code)][row];
-                        values[next] = if fixed || constraints.is_fixed(other, row) || (diagonal && entry == 0.0) {
-                            if diagonal { 1.0 } else { 0.0 }
-                        } else {
-                            entry
-                        };
-                        next += 1;
-                    }
+            self.couple(cells, node as usize, neighbours, &mut blocks);
+            self.prescribe(constraints, node as usize, neighbours, &mut blocks);
+            for column in 0..3 {
+                // The node itself is eliminated first: its block heads the list and is cut at the diagonal.
+                let own = &blocks[usize::from(CENTRE)][4 * column..3 * column + 3];
+                values[next..next + own.len()].copy_from_slice(own);
+                next += own.len();
+                for &code in &neighbours[1..] {
+                    values[next..next + 3].copy_from_slice(&blocks[usize::from(code)][3 * column..][..3]);
+                    next += 3;
                 }
             }
         }
     }
 
-    /// Column c of the stiffness of a node towards its 27 neighbours: `stencil[c][code][row]`.
-    fn node_stencil(&self, cells: &dyn CellStiffness, node: usize, stencil: &mut [[[f64; 3]; 27]; 3]) {
-        *stencil = [[[0.0; 3]; 27]; 3];
+    /// Stiffness of a node towards the listed neighbours: `blocks[code][3 column + row]`, the column being the node's.
+    fn couple(&self, cells: &dyn CellStiffness, node: usize, neighbours: &[u8], blocks: &mut [[f64; 9]; 27]) {
+        let mut wanted = 0u32;
+        for &code in neighbours {
+            blocks[usize::from(code)] = [0.0; 9];
+            wanted |= 1 << code;
+        }
         let at = self.lattice.node_position(Node(node));
         for corner in 0..8 {
             let Some(cell) = cell_with_corner(self.lattice, at, corner) else { continue };
             let Some((factor, matrix)) = cells.stiffness(cell) else { continue };
-            for (column, entries) in stencil.iter_mut().enumerate() {
-                let row_of_matrix = &matrix[24 * (3 * corner + column)..][..24];
-                for (other, three) in row_of_matrix.chunks_exact(3).enumerate() {
-                    let entry = &mut entries[stencil_code(corner, other)];
-                    (0..3).for_each(|r| entry[r] += factor * three[r]);
+            let rows = &matrix[72 * corner..][..72];
+            for (other, &code) in STENCIL_CODES[corner].iter().enumerate() {
+                if wanted >> code & 1 == 0 {
+                    continue;
                 }
+                let block = &mut blocks[usize::from(code)];
+                for column in 0..3 {
+                    let three = &rows[24 * column + 3 * other..][..3];
+                    (0..3).for_each(|row| block[3 * column + row] += factor * three[row]);
+                }
+            }
+        }
+    }
+
+    /// Clears rows and columns of prescribed components; zero diagonal entries become one.
+    fn prescribe(&self, constraints: &Constraints, node: usize, neighbours: &[u8], blocks: &mut [[f64; 9]; 27]) {
+        for &code in neighbours {
+            let other = neighbour(self.lattice, node, code);
+            if constraints.is_free(node) && constraints.is_free(other) {
+                continue;
+            }
+            for component in 0..3 {
+                let block = &mut blocks[usize::from(code)];
+                if constraints.is_fixed(node, component) {
+                    block[3 * component..3 * component + 3].fill(0.0);
+                }
+                if constraints.is_fixed(other, component) {
+                    (0..3).for_each(|column| block[3 * column + component] = 0.0);
+                }
+            }
+        }
+        let own = &mut blocks[usize::from(CENTRE)];
+        for component in 0..3 {
+            if own[4 * component] == 0.0 {
+                own[4 * component] = 1.0;
             }
         }
     }
@@ -177,14 +203,19 @@ fn later_neighbours(lattice: Lattice, nodes: &[u32], rank: &[u32]) -> (Vec<u32>,
     (starts, codes)
 }
 
-/// Stencil code (dx + 1) + 3 (dy + 1) + 9 (dz + 1) of corner `to` seen from corner `from` of a cell.
-fn stencil_code(from: usize, to: usize) -> usize {
-    let step = |axis: usize| (to >> axis & 1) + 1 - (from >> axis & 1);
-    step_code([step(0), step(1), step(2)])
-}
+/// Stencil code (dx + 1) + 3 (dy + 1) + 9 (dz + 1) of a cell's corner seen from another: `STENCIL_CODES[from][to]`.
+const STENCIL_CODES: [[u8; 8]; 8] = stencil_codes();
 
-fn step_code(steps: [usize; 3]) -> usize {
-    steps[0] + 3 * steps[1] + 9 * steps[2]
+const fn stencil_codes() -> [[u8; 8]; 8] {
+    let mut codes = [[0; 8]; 8];
+    let mut pair = 0;
+    while pair < 64 {
+        let (from, to) = (pair / 8, pair % 8);
+        let (x, y, z) = ((to & 1) + 1 - (from & 1), (to >> 1 & 1) + 1 - (from >> 1 & 1), (to >> 2) + 1 - (from >> 2));
+        codes[from][to] = (x + 3 * y + 9 * z) as u8;
+        pair += 1;
+    }
+    codes
 }
 
 fn neighbour(lattice: Lattice, node: usize, code: u8) -> usize {

@@ -1,7 +1,7 @@
 //! Shape functions of all coarse cells of a model.
 
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use rayon::prelude::*;
 
@@ -135,6 +135,8 @@ struct CellFit<'a> {
     kind: BaseKind,
     objective: Objective,
     fitter: Fitter,
+    /// Extension problems with their analysis and workspace, waiting for the next cell.
+    idle: Mutex<Vec<MaterialBase>>,
 }
 
 impl<'a> CellFit<'a> {
@@ -154,7 +156,7 @@ impl<'a> CellFit<'a> {
             BaseKind::Trilinear | BaseKind::Material => BaseFunctions::trilinear(partition.degree()),
         };
         let fitter = Fitter::new(partition, spacing, &Arc::new(base));
-        Ok(Self { model, partition, kind, objective, fitter })
+        Ok(Self { model, partition, kind, objective, fitter, idle: Mutex::default() })
     }
 
     fn fit(&self, cell: CoarseCell, training: &[f64], functions: &mut [f64]) -> Result<FittedCell, ShapeFunctionError> {
@@ -169,11 +171,20 @@ impl<'a> CellFit<'a> {
             (_, BaseKind::Material) => {
                 let cells = self.partition.cell_box(cell);
                 let window = Window::new(self.model, cells.start, cells.cells);
-                let own = MaterialBase::new(self.partition.degree()).and_then(|mut base| base.functions(&window));
+                let own = self.material_functions(&window);
                 functions.copy_from_slice(&own.map_err(|source| ShapeFunctionError::Base { at, source })?);
                 Ok(self.fitter.fit_own_base(training, functions))
             }
             _ => Ok(self.fitter.fit_into(training, functions)),
         }
+    }
+
+    fn material_functions(&self, cells: &Window<'_>) -> Result<Vec<f64>, SolverError> {
+        // A thread that panicked leaves the list as it was: it holds finished values only.
+        let waiting = self.idle.lock().unwrap_or_else(PoisonError::into_inner).pop();
+        let mut base = waiting.map_or_else(|| MaterialBase::new(self.partition.degree()), Ok)?;
+        let functions = base.functions(cells);
+        self.idle.lock().unwrap_or_else(PoisonError::into_inner).push(base);
+        functions
     }
 }
