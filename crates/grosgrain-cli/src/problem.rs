@@ -32,7 +32,7 @@ pub struct Problem {
     pub volume: Option<Volume>,
     /// Which nodes of the lattice are fixed.
     pub fixed: Vec<bool>,
-    /// Loads [N], three per lattice node.
+    /// Loads \[N\], three per lattice node.
     pub loads: Vec<f64>,
     /// Seconds per stage so far.
     pub seconds: BTreeMap<String, f64>,

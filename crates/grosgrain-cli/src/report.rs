@@ -89,9 +89,9 @@ pub struct Edit {
 pub struct Frame {
     /// The step.
     pub step: usize,
-    /// The time [s].
+    /// The time \[s\].
     pub time: f64,
-    /// The elastic energy [J].
+    /// The elastic energy \[J\].
     pub energy: f64,
     /// RMS error against the fine model in percent; absent where that did not run.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -150,7 +150,8 @@ fn a_web_of_slender_hinged_parts_is_solved() {
 /// Two blocks that meet at an edge or at a node, and an island inside a hollow block.
 #[test]
 fn hinges_and_islands_are_coarsened() {
-    let bodies: [(&str, fn([usize; 3]) -> bool); 3] = [
+    type Solid = fn([usize; 3]) -> bool;
+    let bodies: [(&str, Solid); 3] = [
         ("hinged at an edge", |[i, j, _]| (i < 2) == (j < 2)),
         ("hinged at a node", |[i, j, k]| (i < 2) == (j < 2) && (i < 2) == (k < 2)),
         ("island in a hollow", |at| {

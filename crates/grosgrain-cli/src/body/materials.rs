@@ -13,7 +13,7 @@ use crate::scene::{Constants, Scene, SceneMaterial, VoxelModulus};
 /// The name of the material that a modulus law makes.
 const LAW_NAME: &str = "modulus law";
 
-/// Young's modulus [Pa] of a table entry whose modulus is given voxel by voxel; never used in a computation.
+/// Young's modulus \[Pa\] of a table entry whose modulus is given voxel by voxel; never used in a computation.
 const PLACEHOLDER_YOUNG: f64 = 1.0;
 
 /// Whether the material of `label` gives all its constants itself.

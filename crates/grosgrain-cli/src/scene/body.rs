@@ -14,7 +14,7 @@ use super::section::Section;
 pub enum Source {
     /// A volume file; its values become labels.
     Volume(PathBuf),
-    /// A file of Young moduli [Pa]; zero is void, all else has label 0.
+    /// A file of Young moduli \[Pa\]; zero is void, all else has label 0.
     Moduli(PathBuf),
     /// A grid that a pattern or a file fills.
     Grid(Grid, Filling),
@@ -23,7 +23,7 @@ pub enum Source {
 /// Where Young's modulus comes from for materials that give none.
 #[derive(Clone, Debug, PartialEq)]
 pub enum VoxelModulus {
-    /// A volume file of moduli [Pa].
+    /// A volume file of moduli \[Pa\].
     File(PathBuf),
     /// A law from the volume's values.
     Law {
@@ -31,7 +31,7 @@ pub enum VoxelModulus {
         law: ModulusLaw,
         /// Poisson's ratio where no material gives one.
         poisson: f64,
-        /// Lower moduli are raised to this one [Pa].
+        /// Lower moduli are raised to this one \[Pa\].
         floor: Option<f64>,
     },
 }
@@ -52,7 +52,7 @@ pub enum Keep {
 pub struct Body {
     /// Where the voxels come from.
     pub source: Source,
-    /// Edge lengths of a voxel [m], in place of the file's.
+    /// Edge lengths of a voxel \[m\], in place of the file's.
     pub spacing: Option<[f64; 3]>,
     /// Number of fine cells to resample to.
     pub resample: Option<[usize; 3]>,

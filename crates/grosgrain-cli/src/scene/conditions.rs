@@ -18,11 +18,11 @@ pub struct Fix {
 /// What loads the body.
 #[derive(Clone, Debug, PartialEq)]
 pub enum LoadKind {
-    /// Acceleration of gravity [m/s²] on the whole body.
+    /// Acceleration of gravity \[m/s²\] on the whole body.
     Gravity([f64; 3]),
-    /// Force per area [Pa] on the selected part of the body's surface.
+    /// Force per area \[Pa\] on the selected part of the body's surface.
     Traction(Selector, [f64; 3]),
-    /// Total force [N], spread evenly over the selected nodes.
+    /// Total force \[N\], spread evenly over the selected nodes.
     Force(Selector, [f64; 3]),
 }
 

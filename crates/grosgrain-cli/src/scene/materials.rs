@@ -41,7 +41,7 @@ pub struct SceneMaterial {
     pub model: MaterialModel,
     /// Its elastic constants.
     pub constants: Constants,
-    /// Density [kg/m³]; `None` where the scene gives none.
+    /// Density \[kg/m³\]; `None` where the scene gives none.
     pub density: Option<f64>,
 }
 

@@ -13,7 +13,7 @@ use super::selector::read_label;
 pub struct Grid {
     /// Fine cells along x, y, z.
     pub cells: [usize; 3],
-    /// Edge lengths of the whole box [m].
+    /// Edge lengths of the whole box \[m\].
     pub size: [f64; 3],
 }
 

@@ -10,6 +10,6 @@ pub trait CellStiffness: Sync {
     /// The lattice of cells.
     fn lattice(&self) -> Lattice;
 
-    /// Factor and matrix [N/m] of the cell with this index, `None` for a void.
+    /// Factor and matrix \[N/m\] of the cell with this index, `None` for a void.
     fn stiffness(&self, cell: usize) -> Option<(f64, &CellMatrix)>;
 }

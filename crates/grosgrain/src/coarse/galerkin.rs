@@ -5,7 +5,7 @@ use crate::coarsening::COLUMNS;
 use crate::element::CellMatrix;
 use crate::mesh::Cell;
 
-/// Galerkin stiffness [N/m] of a coarse cell with shape functions W (`3 (d + 1)³ × 24`, row-major) over its fine `cells`.
+/// Galerkin stiffness \[N/m\] of a coarse cell with shape functions W (`3 (d + 1)³ × 24`, row-major) over its fine `cells`.
 ///
 /// Symmetric bit for bit; rigid motions carry no force up to rounding, because W reproduces them.
 pub fn galerkin_stiffness(cells: &dyn CellStiffness, functions: &[f64]) -> CellMatrix {

@@ -74,12 +74,12 @@ impl CoarseModel {
         self.index_of[cell.0].map(|i| i as usize)
     }
 
-    /// Stiffness [N/m] of cell number `index`.
+    /// Stiffness \[N/m\] of cell number `index`.
     pub fn cell_stiffness(&self, index: usize) -> &CellMatrix {
         &self.stiffness[index]
     }
 
-    /// Lumped mass [kg] of every node of the coarse lattice: Σ_e m_e N_i(x_e) with trilinear N_i at the fine cells' centres, so that
+    /// Lumped mass \[kg\] of every node of the coarse lattice: Σ_e m_e N_i(x_e) with trilinear N_i at the fine cells' centres, so that
     /// it is positive and adds up to the mass of the body.
     pub fn mass(&self) -> &[f64] {
         &self.mass

@@ -156,7 +156,7 @@ impl Fitter {
     }
 }
 
-/// Offsets of the nodes of a lattice from its centre [m].
+/// Offsets of the nodes of a lattice from its centre \[m\].
 fn offsets(lattice: Lattice, spacing: [f64; 3]) -> Vec<[f64; 3]> {
     let offset = |n: usize| -> [f64; 3] {
         let at = lattice.node_position(Node(n));

@@ -9,9 +9,9 @@ use crate::solver::{Hold, LatticeSystem, SolveReport, SolverChoice, SolverError}
 /// Equilibrium of the fine model.
 #[derive(Clone, Debug)]
 pub struct FineSolution {
-    /// Displacement [m], 3 entries per fine lattice node, zero at void nodes.
+    /// Displacement \[m\], 3 entries per fine lattice node, zero at void nodes.
     pub displacement: Vec<f64>,
-    /// Elastic energy ½ uᵀ K u = ½ fᵀ u [J].
+    /// Elastic energy ½ uᵀ K u = ½ fᵀ u \[J\].
     pub energy: f64,
     /// How it was solved.
     pub report: SolveReport,
@@ -20,11 +20,11 @@ pub struct FineSolution {
 /// Equilibrium of a coarse model.
 #[derive(Clone, Debug)]
 pub struct CoarseSolution {
-    /// Displacement [m], 3 entries per coarse lattice node.
+    /// Displacement \[m\], 3 entries per coarse lattice node.
     pub coarse_displacement: Vec<f64>,
-    /// The same on the fine nodes, averaged where coarse cells meet [m].
+    /// The same on the fine nodes, averaged where coarse cells meet \[m\].
     pub displacement: Vec<f64>,
-    /// Elastic energy ½ ūᵀ K̄ ū = ½ f̄ᵀ ū [J].
+    /// Elastic energy ½ ūᵀ K̄ ū = ½ f̄ᵀ ū \[J\].
     pub energy: f64,
     /// Number of fixed fine nodes that no fixed coarse node holds and that a penalty holds on average.
     pub held_by_penalty: usize,
@@ -32,7 +32,7 @@ pub struct CoarseSolution {
     pub report: SolveReport,
 }
 
-/// Solves K u = f with the marked fine nodes fixed; `loads` has 3 forces [N] per fine lattice node.
+/// Solves K u = f with the marked fine nodes fixed; `loads` has 3 forces \[N\] per fine lattice node.
 ///
 /// # Errors
 /// When the system is singular or not solved to a relative residual of 1e-8.

@@ -37,17 +37,17 @@ pub struct Hex8 {
 }
 
 impl Hex8 {
-    /// An element with edge lengths `spacing` [m].
+    /// An element with edge lengths `spacing` \[m\].
     pub const fn new(spacing: [f64; 3]) -> Self {
         Self { spacing }
     }
 
-    /// Volume [m³].
+    /// Volume \[m³\].
     pub fn volume(&self) -> f64 {
         self.spacing.iter().product()
     }
 
-    /// Stiffness ∫ Bᵀ C B dV [N/m] with 2×2×2 Gauss points, B the 6×24 strain matrix in Voigt order
+    /// Stiffness ∫ Bᵀ C B dV \[N/m\] with 2×2×2 Gauss points, B the 6×24 strain matrix in Voigt order
     /// (exact: the integrand is quadratic in each coordinate).
     pub fn stiffness(&self, tensor: &ElasticityTensor) -> CellMatrix {
         let mut k = [0.0; 576];
@@ -80,7 +80,7 @@ impl Hex8 {
     }
 
     /// Load ∫ ε(v):σ dV of a constant stress σ (3×3, symmetric): force of corner a is
-    /// V Σ_β σ_αβ ∂N_a/∂x_β at the element's centre [N].
+    /// V Σ_β σ_αβ ∂N_a/∂x_β at the element's centre \[N\].
     pub fn constant_stress_load(&self, stress: &[[f64; 3]; 3]) -> [f64; 24] {
         let gradients = trilinear_gradients([0.5; 3]);
         let volume = self.volume();

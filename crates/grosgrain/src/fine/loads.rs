@@ -1,4 +1,4 @@
-//! Loads on the lattice: three forces [N] per node, x fastest.
+//! Loads on the lattice: three forces \[N\] per node, x fastest.
 
 use super::FineModel;
 use crate::element::Hex8;
@@ -41,7 +41,7 @@ fn clear_rounding(column: &mut [f64], force: &[f64; 24]) {
     column.iter_mut().filter(|f| f.abs() < 1e-12 * largest).for_each(|f| *f = 0.0);
 }
 
-/// Loads of a uniform acceleration [m/s²]: ρ V g / 8 on each corner of each cell.
+/// Loads of a uniform acceleration \[m/s²\]: ρ V g / 8 on each corner of each cell.
 pub fn gravity(model: &FineModel, acceleration: [f64; 3]) -> Vec<f64> {
     let lattice = model.grid().lattice;
     let mut loads = vec![0.0; 3 * lattice.node_count()];
@@ -54,8 +54,8 @@ pub fn gravity(model: &FineModel, acceleration: [f64; 3]) -> Vec<f64> {
     loads
 }
 
-/// Loads of a traction [Pa] on the body's surface: on every face between a solid cell and a void (or the outside) all
-/// four nodes of which are selected. The second value is the loaded area [m²].
+/// Loads of a traction \[Pa\] on the body's surface: on every face between a solid cell and a void (or the outside) all
+/// four nodes of which are selected. The second value is the loaded area \[m²\].
 pub fn traction(model: &FineModel, selected: &[bool], traction: [f64; 3]) -> (Vec<f64>, f64) {
     let grid = model.grid();
     let lattice = grid.lattice;
@@ -88,7 +88,7 @@ fn is_outer(model: &FineModel, cell: Cell, axis: usize, side: usize) -> bool {
     model.is_void(lattice.cell(at))
 }
 
-/// Loads of a total force [N] spread evenly over the selected nodes that touch a solid cell.
+/// Loads of a total force \[N\] spread evenly over the selected nodes that touch a solid cell.
 pub fn node_forces(model: &FineModel, selected: &[bool], total: [f64; 3]) -> Vec<f64> {
     let mut loads = vec![0.0; 3 * selected.len()];
     let nodes: Vec<usize> = (0..selected.len()).filter(|&n| selected[n] && model.active()[n]).collect();

@@ -82,12 +82,12 @@ impl FineModel {
         self.active.iter().filter(|a| **a).count()
     }
 
-    /// Position of a lattice node [m].
+    /// Position of a lattice node \[m\].
     pub fn node_position(&self, node: Node) -> [f64; 3] {
         self.grid.position(self.grid.lattice.node_position(node))
     }
 
-    /// Young's modulus of a cell [Pa]; for an anisotropic material 1 / S₁₁ of its compliance S; zero for a void.
+    /// Young's modulus of a cell \[Pa\]; for an anisotropic material 1 / S₁₁ of its compliance S; zero for a void.
     pub fn young(&self, cell: Cell) -> f64 {
         let Some((_, material)) = self.materials.get(usize::from(self.material_of[cell.0])) else { return 0.0 };
         match &material.elasticity {
@@ -96,24 +96,24 @@ impl FineModel {
         }
     }
 
-    /// The elasticity tensor of a cell [Pa], `None` for a void.
+    /// The elasticity tensor of a cell \[Pa\], `None` for a void.
     pub fn elasticity(&self, cell: Cell) -> Option<crate::material::ElasticityTensor> {
         let (_, material) = self.materials.get(usize::from(self.material_of[cell.0]))?;
         Some(material.elasticity.tensor().scaled(self.factors[cell.0]))
     }
 
-    /// Density of a cell [kg/m³], zero for a void.
+    /// Density of a cell \[kg/m³\], zero for a void.
     pub fn density(&self, cell: Cell) -> f64 {
         let Some((_, material)) = self.materials.get(usize::from(self.material_of[cell.0])) else { return 0.0 };
         self.grid.density.as_ref().map_or(material.density, |density| density[cell.0])
     }
 
-    /// Mass of a cell [kg].
+    /// Mass of a cell \[kg\].
     pub fn cell_mass(&self, cell: Cell) -> f64 {
         self.density(cell) * self.grid.cell_volume()
     }
 
-    /// Mass of the body [kg].
+    /// Mass of the body \[kg\].
     pub fn mass(&self) -> f64 {
         (0..self.grid.lattice.cell_count()).map(|c| self.cell_mass(Cell(c))).sum()
     }

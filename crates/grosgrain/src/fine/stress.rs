@@ -4,7 +4,7 @@ use super::FineModel;
 use crate::element::Hex8;
 use crate::mesh::Cell;
 
-/// Stress at the centre of every fine cell [Pa], Voigt order xx, yy, zz, yz, xz, xy: σ = C B(½, ½, ½) u; zero in voids.
+/// Stress at the centre of every fine cell \[Pa\], Voigt order xx, yy, zz, yz, xz, xy: σ = C B(½, ½, ½) u; zero in voids.
 pub fn centre_stresses(model: &FineModel, displacement: &[f64]) -> Vec<[f64; 6]> {
     let lattice = model.grid().lattice;
     let strain_matrix = Hex8::new(model.grid().spacing).strain_matrix([0.5; 3]);
@@ -18,7 +18,7 @@ pub fn centre_stresses(model: &FineModel, displacement: &[f64]) -> Vec<[f64; 6]>
     (0..lattice.cell_count()).map(stress).collect()
 }
 
-/// Von Mises stress √(½ ((σxx−σyy)² + (σyy−σzz)² + (σzz−σxx)²) + 3 (σyz² + σxz² + σxy²)) [Pa] of a stress in Voigt order.
+/// Von Mises stress √(½ ((σxx−σyy)² + (σyy−σzz)² + (σzz−σxx)²) + 3 (σyz² + σxz² + σxy²)) \[Pa\] of a stress in Voigt order.
 pub fn von_mises(stress: &[f64; 6]) -> f64 {
     let [xx, yy, zz, yz, xz, xy] = *stress;
     let normal = (xx - yy).powi(2) + (yy - zz).powi(2) + (zz - xx).powi(2);

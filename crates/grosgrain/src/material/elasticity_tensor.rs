@@ -1,6 +1,6 @@
 //! The 21-constant elasticity tensor.
 
-/// An elasticity tensor in Voigt form: 6×6 [Pa], order xx, yy, zz, yz, xz, xy, engineering shear (γ = 2ε).
+/// An elasticity tensor in Voigt form: 6×6 \[Pa\], order xx, yy, zz, yz, xz, xy, engineering shear (γ = 2ε).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ElasticityTensor {
     voigt: [[f64; 6]; 6],
@@ -29,7 +29,7 @@ pub enum ElasticityTensorError {
         row: usize,
         /// Column, from 0.
         column: usize,
-        /// Difference [Pa].
+        /// Difference \[Pa\].
         difference: f64,
     },
     /// The tensor has a direction without stiffness.
@@ -41,7 +41,7 @@ pub enum ElasticityTensorError {
 }
 
 impl ElasticityTensor {
-    /// A tensor from its Voigt matrix [Pa].
+    /// A tensor from its Voigt matrix \[Pa\].
     ///
     /// # Errors
     /// Entries that are not finite, asymmetry beyond 1e-9 of the largest entry, a matrix that is not positive definite.
@@ -70,18 +70,18 @@ impl ElasticityTensor {
         Self { voigt }
     }
 
-    /// The Voigt matrix [Pa].
+    /// The Voigt matrix \[Pa\].
     pub const fn voigt(&self) -> &[[f64; 6]; 6] {
         &self.voigt
     }
 
-    /// The Mandel (Kelvin) matrix [Pa]: shear rows and columns times √2, so that a double contraction is a matrix product.
+    /// The Mandel (Kelvin) matrix \[Pa\]: shear rows and columns times √2, so that a double contraction is a matrix product.
     pub fn mandel(&self) -> [[f64; 6]; 6] {
         let weight = |i: usize| if i < 3 { 1.0 } else { std::f64::consts::SQRT_2 };
         std::array::from_fn(|i| std::array::from_fn(|j| weight(i) * weight(j) * self.voigt[i][j]))
     }
 
-    /// Young's modulus along x [Pa]: 1 / S₁₁ with S = C⁻¹, by eliminating the other five strains from C₁₁.
+    /// Young's modulus along x \[Pa\]: 1 / S₁₁ with S = C⁻¹, by eliminating the other five strains from C₁₁.
     pub fn young_along_x(&self) -> f64 {
         let mut a = self.voigt;
         for k in (1..6).rev() {

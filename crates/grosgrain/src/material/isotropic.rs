@@ -24,7 +24,7 @@ pub enum IsotropicMaterialError {
 }
 
 impl IsotropicMaterial {
-    /// A material of Young's modulus `young` [Pa] and Poisson's ratio `poisson`.
+    /// A material of Young's modulus `young` \[Pa\] and Poisson's ratio `poisson`.
     ///
     /// # Errors
     /// E ≤ 0 or not finite; ν outside (−1, ½).
@@ -38,7 +38,7 @@ impl IsotropicMaterial {
         Ok(Self { young, poisson })
     }
 
-    /// Young's modulus E [Pa].
+    /// Young's modulus E \[Pa\].
     pub const fn young(&self) -> f64 {
         self.young
     }
@@ -48,13 +48,13 @@ impl IsotropicMaterial {
         self.poisson
     }
 
-    /// Lamé's constants (λ, μ) [Pa].
+    /// Lamé's constants (λ, μ) \[Pa\].
     pub fn lame(&self) -> (f64, f64) {
         let (e, nu) = (self.young, self.poisson);
         (e * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)), e / (2.0 * (1.0 + nu)))
     }
 
-    /// The elasticity tensor in Voigt form [Pa].
+    /// The elasticity tensor in Voigt form \[Pa\].
     pub fn tensor(&self) -> ElasticityTensor {
         let (lambda, mu) = self.lame();
         let mut c = [[0.0; 6]; 6];

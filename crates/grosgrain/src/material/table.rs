@@ -16,7 +16,7 @@ pub enum Elasticity {
 }
 
 impl Elasticity {
-    /// The elasticity tensor [Pa].
+    /// The elasticity tensor \[Pa\].
     pub fn tensor(&self) -> ElasticityTensor {
         match self {
             Self::Isotropic(material) => material.tensor(),
@@ -32,7 +32,7 @@ pub struct Material {
     pub name: String,
     /// Its elasticity.
     pub elasticity: Elasticity,
-    /// Density [kg/m³].
+    /// Density \[kg/m³\].
     pub density: f64,
 }
 

@@ -82,7 +82,7 @@ impl LabelRule {
     }
 }
 
-/// The body whose labels `rules` give to the values of the volume; `spacing` is the edge lengths of a voxel [m].
+/// The body whose labels `rules` give to the values of the volume; `spacing` is the edge lengths of a voxel \[m\].
 ///
 /// # Errors
 /// Rules that contradict each other or can never match; a voxel that is not finite or that no rule catches.

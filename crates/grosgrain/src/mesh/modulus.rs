@@ -5,11 +5,11 @@ use super::{Cell, Label, Lattice, Volume, VoxelGrid};
 /// How the values of a volume become moduli.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ModulusLaw {
-    /// The values are Young's moduli [Pa]; zero means void.
+    /// The values are Young's moduli \[Pa\]; zero means void.
     Direct,
-    /// E = coefficient · ρ^exponent [Pa] with ρ [g/cm³] from the CT number; ρ ≤ 0 means void.
+    /// E = coefficient · ρ^exponent \[Pa\] with ρ \[g/cm³\] from the CT number; ρ ≤ 0 means void.
     Power {
-        /// Modulus at 1 g/cm³ [Pa].
+        /// Modulus at 1 g/cm³ \[Pa\].
         coefficient: f64,
         /// Exponent.
         exponent: f64,
@@ -21,9 +21,9 @@ pub enum ModulusLaw {
 /// Density from the CT number: ρ = slope · HU + intercept, in g/cm³ (1 g/cm³ = 1000 kg/m³).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DensityLaw {
-    /// Density per Hounsfield unit [g/cm³].
+    /// Density per Hounsfield unit \[g/cm³\].
     pub slope: f64,
-    /// Density at CT number 0 (water) [g/cm³].
+    /// Density at CT number 0 (water) \[g/cm³\].
     pub intercept: f64,
 }
 
@@ -32,9 +32,9 @@ pub struct DensityLaw {
 pub struct ModulusField {
     /// Number of voxels along x, y, z.
     pub cells: [usize; 3],
-    /// Young's modulus [Pa]; 0 in voids.
+    /// Young's modulus \[Pa\]; 0 in voids.
     pub young: Vec<f64>,
-    /// Density [kg/m³], where the law gives one; 0 in voids.
+    /// Density \[kg/m³\], where the law gives one; 0 in voids.
     pub density: Option<Vec<f64>>,
     /// Which voxels are void.
     pub void: Vec<bool>,
@@ -77,9 +77,9 @@ pub enum ModulusError {
 }
 
 impl ModulusLaw {
-    /// The modulus [Pa] and, where the law gives one, the density [kg/m³] of every voxel.
+    /// The modulus \[Pa\] and, where the law gives one, the density \[kg/m³\] of every voxel.
     ///
-    /// Where `floor` is given, moduli of solid voxels below it are raised to it [Pa].
+    /// Where `floor` is given, moduli of solid voxels below it are raised to it \[Pa\].
     ///
     /// # Errors
     /// Parameters out of range; a voxel whose value is not finite, is a negative modulus, or overflows.
@@ -100,7 +100,7 @@ impl ModulusLaw {
         Ok(ModulusField { cells: volume.cells, young, density, void })
     }
 
-    /// Modulus [Pa] and density [kg/m³] of one value; zeros for a void.
+    /// Modulus \[Pa\] and density \[kg/m³\] of one value; zeros for a void.
     fn voxel(&self, value: f64) -> Result<(f64, f64), Fault> {
         if !value.is_finite() {
             return Err(Fault("no modulus".into(), "every value must be finite"));
@@ -150,7 +150,7 @@ impl Fault {
 }
 
 impl ModulusField {
-    /// The body with these moduli and densities, the same label everywhere; `spacing` is the edge lengths of a voxel [m].
+    /// The body with these moduli and densities, the same label everywhere; `spacing` is the edge lengths of a voxel \[m\].
     pub fn into_grid(self, spacing: [f64; 3], label: Label) -> VoxelGrid {
         let lattice = Lattice::new(self.cells);
         VoxelGrid {

@@ -20,7 +20,7 @@ pub enum PlaneAt {
     Min,
     /// The body's largest coordinate.
     Max,
-    /// A coordinate [m].
+    /// A coordinate \[m\].
     Coordinate(f64),
 }
 
@@ -83,9 +83,9 @@ pub enum SelectionError {
         low[0], high[0], low[1], high[1], low[2], high[2]
     )]
     Empty {
-        /// The body's smallest coordinates [m].
+        /// The body's smallest coordinates \[m\].
         low: [f64; 3],
-        /// The body's largest coordinates [m].
+        /// The body's largest coordinates \[m\].
         high: [f64; 3],
     },
     /// There is no body to pick from.
@@ -214,7 +214,7 @@ impl Of {
     }
 }
 
-/// 1e-9 of the grid's largest extent [m].
+/// 1e-9 of the grid's largest extent \[m\].
 fn tolerance(grid: &VoxelGrid) -> f64 {
     (0..3).map(|a| grid.spacing[a] * grid.lattice.cells[a] as f64).fold(0.0, f64::max) * 1e-9
 }

@@ -20,17 +20,17 @@ impl std::fmt::Display for Label {
 pub struct VoxelGrid {
     /// Number of voxels along x, y, z.
     pub lattice: Lattice,
-    /// Edge lengths of a voxel [m].
+    /// Edge lengths of a voxel \[m\].
     pub spacing: [f64; 3],
-    /// Position of the lattice's node (0, 0, 0) [m].
+    /// Position of the lattice's node (0, 0, 0) \[m\].
     pub origin: [f64; 3],
     /// One label per voxel, x fastest.
     pub labels: Vec<Label>,
     /// Which voxels are void, x fastest.
     pub void: Vec<bool>,
-    /// Young's modulus per voxel [Pa], replacing the material's.
+    /// Young's modulus per voxel \[Pa\], replacing the material's.
     pub young: Option<Vec<f64>>,
-    /// Density per voxel [kg/m³], replacing the material's.
+    /// Density per voxel \[kg/m³\], replacing the material's.
     pub density: Option<Vec<f64>>,
 }
 
@@ -85,17 +85,17 @@ impl VoxelGrid {
         }
     }
 
-    /// Position of the lattice node (i, j, k) [m].
+    /// Position of the lattice node (i, j, k) \[m\].
     pub fn position(&self, at: [usize; 3]) -> [f64; 3] {
         std::array::from_fn(|a| self.origin[a] + self.spacing[a] * at[a] as f64)
     }
 
-    /// Centre of the voxel (i, j, k) [m].
+    /// Centre of the voxel (i, j, k) \[m\].
     pub fn centre(&self, at: [usize; 3]) -> [f64; 3] {
         std::array::from_fn(|a| self.origin[a] + self.spacing[a] * (at[a] as f64 + 0.5))
     }
 
-    /// Volume of one voxel [m³].
+    /// Volume of one voxel \[m³\].
     pub fn cell_volume(&self) -> f64 {
         self.spacing.iter().product()
     }

@@ -34,7 +34,7 @@ pub enum Hold<'a> {
 pub struct LatticeSystem<'a> {
     /// The cells.
     pub cells: &'a dyn CellStiffness,
-    /// Edge lengths of a cell [m].
+    /// Edge lengths of a cell \[m\].
     pub spacing: [f64; 3],
     /// What holds them.
     pub hold: Hold<'a>,
@@ -59,7 +59,7 @@ pub struct SolveReport {
 /// Measured with `examples/solver_choice.rs`.
 const DIRECT_LIMIT: usize = 25_000;
 const DIRECT_LIMIT_MANY: usize = 150_000;
-/// Factors larger than this are not tried when conjugate gradients have failed [B].
+/// Factors larger than this are not tried when conjugate gradients have failed \[B\].
 const FALLBACK_BYTES: usize = 6_000_000_000;
 const MAX_ITERATIONS: usize = 3000;
 

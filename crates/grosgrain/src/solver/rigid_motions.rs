@@ -21,7 +21,7 @@ pub struct RigidMotions {
 }
 
 impl RigidMotions {
-    /// The rigid motions of the nodes marked in `active` of a lattice with edge lengths `spacing` [m].
+    /// The rigid motions of the nodes marked in `active` of a lattice with edge lengths `spacing` \[m\].
     ///
     /// # Errors
     /// The active nodes lie on a line, so that the six motions are dependent.

@@ -12,7 +12,7 @@ use crate::solver::{Hold, LatticeSystem, SolveReport, SolverChoice};
 /// ½(e_α⊗e_β + e_β⊗e_α) n on the outer boundary; interior voids carry none.
 #[derive(Clone, Debug)]
 pub struct HarmonicDisplacements {
-    /// Six lattice vectors [m per Pa of traction], 3 entries per node, one after the other in the order xx, yy, zz, yz, xz, xy;
+    /// Six lattice vectors \[m per Pa of traction\], 3 entries per node, one after the other in the order xx, yy, zz, yz, xz, xy;
     /// zero at nodes that touch no solid cell. Mean and first moment over the body's nodes are zero.
     pub displacements: Vec<f64>,
     /// How they were solved.

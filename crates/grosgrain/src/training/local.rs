@@ -109,7 +109,7 @@ impl LocalTrainer {
         constant_stress_loads(lattice, spacing, &hull(&void, &lattice), &mut workspace.fields);
         workspace.solver.factor(&window, &free_support(lattice, spacing, &void, &active))?;
         let residual = workspace.solver.solve_in_place(&mut workspace.fields);
-        if !(residual <= TOLERANCE) {
+        if residual.is_nan() || residual > TOLERANCE {
             let order = workspace.solver.analysed().pattern().order();
             return Err(SolverError::Inaccurate { residual, tolerance: TOLERANCE, order });
         }

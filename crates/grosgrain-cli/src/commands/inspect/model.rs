@@ -11,7 +11,7 @@ use super::row;
 use crate::failure::Failure;
 use crate::quantities::{count, counted};
 
-/// Longest header of an array that is read [B]; NumPy writes some hundred.
+/// Longest header of an array that is read \[B\]; NumPy writes some hundred.
 const LONGEST_HEADER: usize = 65_536;
 
 /// What a model file holds.

@@ -18,7 +18,7 @@ pub(super) const AXES: [char; 3] = ['x', 'y', 'z'];
 pub(super) struct Geometry {
     /// Number of voxels along x, y, z.
     pub cells: [usize; 3],
-    /// Edge lengths of a voxel [m].
+    /// Edge lengths of a voxel \[m\].
     pub spacing: Option<[f64; 3]>,
     /// Voxel index to millimetres, RAS.
     pub voxel_to_world: Option<Affine>,

@@ -103,7 +103,7 @@ fn in_a_cluster_beyond_the_limit_every_part_is_called_loose() {
     assert!(loose[1].to_string().contains("can still move in 6 ways"));
 }
 
-/// Row of component `c` of the rigid motion of a cell at the point x [m].
+/// Row of component `c` of the rigid motion of a cell at the point x \[m\].
 fn rigid_row(x: [f64; 3], c: usize) -> [f64; 6] {
     let [x, y, z] = x;
     [[1., 0., 0., 0., z, -y], [0., 1., 0., -z, 0., x], [0., 0., 1., y, -x, 0.]][c]

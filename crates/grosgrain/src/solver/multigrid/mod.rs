@@ -49,7 +49,7 @@ pub struct MultigridParameters {
     pub cycle: Cycle,
     /// Largest number of unknowns that the coarsest lattice may have.
     pub coarsest_unknowns: usize,
-    /// Edge lengths of a fine cell [m]; axes with much longer edges are halved later.
+    /// Edge lengths of a fine cell \[m\]; axes with much longer edges are halved later.
     pub spacing: [f64; 3],
     /// Added to the coarsest matrix, relative to its diagonal, so that a free body can be factored.
     pub shift: f64,

@@ -79,7 +79,7 @@ pub enum DicomError {
         first: String,
         /// The other's.
         second: String,
-        /// Position along the normal [mm].
+        /// Position along the normal \[mm\].
         position: f64,
     },
     /// Unequal distances.
@@ -92,9 +92,9 @@ pub enum DicomError {
         first: String,
         /// The next one's.
         second: String,
-        /// Their distance [mm].
+        /// Their distance \[mm\].
         distance: f64,
-        /// Mean distance [mm].
+        /// Mean distance \[mm\].
         mean: f64,
     },
     /// The slices are not stacked along their normal.
@@ -105,7 +105,7 @@ pub enum DicomError {
     Sheared {
         /// The slice's file.
         file: String,
-        /// In-plane shift [mm].
+        /// In-plane shift \[mm\].
         shift: f64,
     },
     /// A single slice without thickness.
