@@ -137,7 +137,7 @@ fn files_are_short() {
     }
 }
 
-/// Words in backticks that look like `name2022word`.
+/// Words in backticks made of a name, a year and a word, all in small letters.
 fn source_keys(text: &str) -> Vec<String> {
     let is_key = |word: &&str| {
         let name = word.chars().take_while(char::is_ascii_lowercase).count();
