@@ -9,10 +9,9 @@ mod simplicial;
 
 use cases::Outcome;
 use cases::coarse::CoarseCase;
-use criterion::Criterion;
 
 fn main() -> Outcome<()> {
-    let mut criterion = Criterion::default().sample_size(10).configure_from_args();
+    let mut criterion = cases::criterion();
     let mut group = criterion.benchmark_group("coarse model");
     for degree in 2..=5 {
         let case = CoarseCase::new(degree)?;

@@ -9,11 +9,10 @@ mod simplicial;
 
 use cases::Outcome;
 use cases::fitting::FitCase;
-use criterion::Criterion;
 use per_node::Systems;
 
 fn main() -> Outcome<()> {
-    let mut criterion = Criterion::default().sample_size(10).configure_from_args();
+    let mut criterion = cases::criterion();
     let mut group = criterion.benchmark_group("fit");
     for degree in 2..=7 {
         let mut case = FitCase::new(degree)?;

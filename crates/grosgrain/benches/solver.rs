@@ -9,10 +9,9 @@ mod simplicial;
 
 use cases::Outcome;
 use cases::lattice::{IterativeCase, LatticeCase, analyse};
-use criterion::Criterion;
 
 fn main() -> Outcome<()> {
-    let mut criterion = Criterion::default().sample_size(10).configure_from_args();
+    let mut criterion = cases::criterion();
     for cells in [16, 24] {
         let mut case = LatticeCase::new(cells)?;
         case.factor()?;

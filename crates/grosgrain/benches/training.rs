@@ -9,11 +9,10 @@ mod simplicial;
 
 use cases::Outcome;
 use cases::harmonic::{HarmonicCase, ManyCells};
-use criterion::Criterion;
 use grosgrain::training::RingKind;
 
 fn main() -> Outcome<()> {
-    let mut criterion = Criterion::default().sample_size(10).configure_from_args();
+    let mut criterion = cases::criterion();
     for (name, kind) in [("one-ring", RingKind::OneRing), ("single-cell", RingKind::SingleCell)] {
         let mut group = criterion.benchmark_group(name);
         for degree in 2..=7 {

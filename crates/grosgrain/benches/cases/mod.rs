@@ -7,6 +7,9 @@ pub mod fitting;
 pub mod harmonic;
 pub mod lattice;
 
+use std::time::Duration;
+
+use criterion::Criterion;
 use grosgrain::fine::FineModel;
 use grosgrain::material::{Elasticity, IsotropicMaterial, Material, MaterialTable};
 use grosgrain::mesh::{Label, Pattern, VoxelGrid};
@@ -33,4 +36,10 @@ pub fn layered(cells: [usize; 3], ratio: f64) -> Outcome<FineModel> {
         table.insert(Label(label), Material { name: format!("layer {label}"), elasticity, density: 1000.0 });
     }
     Ok(FineModel::new(grid, &table)?)
+}
+
+/// Few samples and short runs, so that all benchmarks together take minutes.
+pub fn criterion() -> Criterion {
+    let short = Criterion::default().sample_size(10).warm_up_time(Duration::from_secs(1));
+    short.measurement_time(Duration::from_secs(3)).configure_from_args()
 }

@@ -40,7 +40,7 @@ pub fn section(machine: &Machine, effort: &Effort) -> Outcome<String> {
     }
     Ok(format!(
         "## Coarse model\n\nStiffness K̄ = Σ Wᵀ K W of one coarse cell, one thread; the operations are those of K W and of one triangle of Wᵀ(K W).\n\n{}\n\
-         From {} to {} times the floor.\n\nThe maps between coarse and fine nodes for 4 × 2 × 2 coarse cells; each reads all shape functions once, which are the bytes counted.\n\n{}\n\
+         Between {} and {} times the floor.\n\nThe maps between coarse and fine nodes for 4 × 2 × 2 coarse cells; each reads all shape functions once, which are the bytes counted.\n\n{}\n\
          The last column is how fast the machine copies as many bytes.\n",
         stiffness.text(),
         digits(ratio.0),

@@ -23,12 +23,12 @@ pub fn galerkin_stiffness(cells: &dyn CellStiffness, functions: &[f64]) -> CellM
     }
     let mut result = [0.0; COLUMNS * COLUMNS];
     for (row, column) in (0..COLUMNS * COLUMNS).map(|n| (n / COLUMNS, n % COLUMNS)) {
-        result[COLUMNS * row + column] = 0.5 * (stiffness[row][column] + stiffness[column][row]);
+        result[COLUMNS * row + column] = stiffness[row.min(column)][row.max(column)];
     }
     result
 }
 
-/// stiffness += factor Wᵀ K W for 24×24 matrices.
+/// stiffness += factor Wᵀ K W for 24×24 matrices, in the blocks that touch the upper triangle.
 struct Congruence<'a> {
     factor: f64,
     matrix: &'a CellMatrix,
@@ -36,26 +36,52 @@ struct Congruence<'a> {
     stiffness: &'a mut [[f64; COLUMNS]; COLUMNS],
 }
 
-impl pulp::NullaryFnOnce for Congruence<'_> {
+/// Rows whose sums are kept in registers together: enough to hide the latency of multiply-adds.
+const ROWS: usize = 8;
+
+impl pulp::WithSimd for Congruence<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn call(self) {
-        for row in 0..COLUMNS {
-            let mut product = [0.0; COLUMNS];
-            for m in 0..COLUMNS {
-                add_scaled(&mut product, self.factor * self.matrix[COLUMNS * row + m], &self.functions[m]);
+    fn with_simd<S: pulp::Simd>(self, simd: S) {
+        let mut forces = [[0.0; COLUMNS]; COLUMNS];
+        let factor = simd.splat_f64s(self.factor);
+        for vector in 0..COLUMNS / S::F64_LANES {
+            for first in (0..COLUMNS).step_by(ROWS) {
+                let zero = [simd.splat_f64s(0.0); ROWS];
+                let entry = |row: usize, m: usize| self.matrix[COLUMNS * (first + row) + m];
+                let sums = add_products(simd, entry, (self.functions, vector), zero);
+                for (row, sum) in forces[first..first + ROWS].iter_mut().zip(sums) {
+                    S::as_mut_simd_f64s(row).0[vector] = simd.mul_f64s(factor, sum);
+                }
             }
-            for c in 0..COLUMNS {
-                add_scaled(&mut self.stiffness[c], self.functions[row][c], &product);
+        }
+        for vector in 0..COLUMNS / S::F64_LANES {
+            for first in (0..S::F64_LANES * (vector + 1)).step_by(ROWS) {
+                let old = std::array::from_fn(|row| S::as_simd_f64s(&self.stiffness[first + row]).0[vector]);
+                let entry = |row: usize, m: usize| self.functions[m][first + row];
+                let sums = add_products(simd, entry, (&forces, vector), old);
+                for (row, sum) in self.stiffness[first..first + ROWS].iter_mut().zip(sums) {
+                    S::as_mut_simd_f64s(row).0[vector] = sum;
+                }
             }
         }
     }
 }
 
+/// sums\[row\] + Σ_m left(row, m) right\[m\], for one vector of columns of the right matrix.
 #[inline(always)]
-fn add_scaled(sum: &mut [f64; COLUMNS], factor: f64, row: &[f64; COLUMNS]) {
-    for c in 0..COLUMNS {
-        sum[c] = factor.mul_add(row[c], sum[c]);
+fn add_products<S: pulp::Simd>(
+    simd: S,
+    left: impl Fn(usize, usize) -> f64,
+    (right, vector): (&[[f64; COLUMNS]; COLUMNS], usize),
+    mut sums: [S::f64s; ROWS],
+) -> [S::f64s; ROWS] {
+    for (m, row_of_right) in right.iter().enumerate() {
+        let columns = S::as_simd_f64s(row_of_right).0[vector];
+        for (row, sum) in sums.iter_mut().enumerate() {
+            *sum = simd.mul_add_f64s(simd.splat_f64s(left(row, m)), columns, *sum);
+        }
     }
+    sums
 }
