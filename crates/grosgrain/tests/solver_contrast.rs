@@ -15,9 +15,9 @@ const CELLS: [usize; 3] = [10, 8, 6];
 /// The ways in which two phases share the body.
 fn arrangement(kind: &str, at: [usize; 3], random: &mut Uniform) -> i32 {
     let stiff = match kind {
-        "layers across" => at[0] / 2 % 2 == 0,
-        "layers along" => at[2] / 2 % 2 == 0,
-        "oblique layers" => (at[0] + at[2]) / 2 % 2 == 0,
+        "layers across" => (at[0] / 2).is_multiple_of(2),
+        "layers along" => (at[2] / 2).is_multiple_of(2),
+        "oblique layers" => ((at[0] + at[2]) / 2).is_multiple_of(2),
         _ => random.next() < 0.5,
     };
     i32::from(stiff)
