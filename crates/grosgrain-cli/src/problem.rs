@@ -64,6 +64,10 @@ impl Problem {
     /// A sentence with the parts and what to do.
     pub fn require_support(&self) -> Result<(), Failure> {
         self.scene.require_conditions()?;
+        if self.loads.iter().all(|force| *force == 0.0) {
+            let sentence = "the loads add up to no force at any node, so the body would not move; expected a load, and a density where it is gravity";
+            return Err(Failure::Unusable(format!("{}: {sentence}", self.scene.file.display())));
+        }
         let fixed: Vec<[bool; 3]> = self.fixed.iter().map(|f| [*f; 3]).collect();
         let loose = loose_parts(self.model.grid(), &fixed);
         if loose.is_empty() {

@@ -82,12 +82,15 @@ fn work(loads: &[f64], displacement: &[f64]) -> f64 {
     loads.iter().zip(displacement).map(|(f, u)| f * u).sum()
 }
 
-/// ‖u − v‖ / ‖v‖ over the entries of two displacement fields.
+/// ‖u − v‖ / ‖v‖ over the entries of two displacement fields; 0 where both vanish, infinite where only v does.
 pub fn relative_error(displacement: &[f64], reference: &[f64]) -> f64 {
     let (mut difference, mut size) = (0.0, 0.0);
     for (u, v) in displacement.iter().zip(reference) {
         difference += (u - v) * (u - v);
         size += v * v;
     }
-    (difference / size).sqrt()
+    match difference == 0.0 {
+        true => 0.0,
+        false => (difference / size).sqrt(),
+    }
 }

@@ -42,7 +42,7 @@ pub enum SolverError {
     Iterative(#[from] ConjugateGradientError),
     /// The solution is not accurate enough.
     #[error(
-        "the direct solution has a relative residual of {residual:.1e}, above {tolerance:.0e}: the stiffness is too ill-conditioned ({order} unknowns); lower the contrast of the moduli or keep Poisson's ratio further from 0.5"
+        "the direct solution has a relative residual of {residual:.1e}, above {tolerance:.0e}, and refining it brings no more ({order} unknowns): the stiffness is too ill-conditioned for double precision; lower the contrast of the moduli, keep Poisson's ratio further from 0.5, or hold parts that hang by an edge or a node"
     )]
     Inaccurate {
         /// Relative residual reached.
