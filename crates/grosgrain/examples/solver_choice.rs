@@ -1,20 +1,19 @@
-//! Cholesky against multigrid-preconditioned conjugate gradients: prints a table as Markdown.
-//!
-//! Sample runs:
+//! Writes the page that says where conjugate gradients overtake Cholesky, and how large bodies fare.
 //!
 //! ```sh
-//! cargo run --release -p grosgrain --example solver_choice            # both solvers, small bodies
-//! cargo run --release -p grosgrain --example solver_choice -- large   # 48 x 48 x 36 and 128 x 128 x 128, automatic choice
+//! cargo run --release -p grosgrain --example solver_choice -- docs/solver-choice.md
 //! ```
 //!
-//! The bodies are cubes (or boxes) of two phases with an E ratio of 1000 and ν = 0.45, clamped at x = 0 under gravity:
-//! blobs (random blocks of 4³ cells) and layers four cells thick. Each row is one static solve to a relative residual of 1e-8.
+//! Without a path the page goes to standard output. It takes several minutes and about 3 GB.
 
 use std::error::Error;
+use std::io::Write;
+use std::path::Path;
 use std::time::Instant;
 
 use grosgrain::assembly::Constraints;
 use grosgrain::fine::{FineModel, gravity};
+use grosgrain::io::write_atomically;
 use grosgrain::material::{Elasticity, IsotropicMaterial, Material, MaterialTable};
 use grosgrain::mesh::{Axis, Label, Pattern, PlaneAt, Selector, VoxelGrid};
 use grosgrain::progress::silent;
@@ -22,24 +21,51 @@ use grosgrain::solver::{Hold, LatticeSystem, SolverChoice};
 
 const RATIO: f64 = 1e3;
 
-fn main() -> Result<(), Box<dyn Error>> {
-    println!("| body | cells | unknowns | right-hand sides | solver | iterations | residual | seconds | peak MB |");
-    println!("|---|---|---|---|---|---|---|---|---|");
-    if std::env::args().any(|argument| argument == "large") {
-        for cells in [[48, 48, 36], [128, 128, 128]] {
-            row(cells, ("blobs", blobs()), 1, SolverChoice::Auto)?;
-        }
-        return row([48, 48, 36], ("layers", layers()), 1, SolverChoice::Auto);
-    }
+const INTRODUCTION: &str = "\
+# Which solver, measured
+
+Written by one command, which runs everything on this page again; an idle machine gives the steadiest figures:
+
+    cargo run --release -p grosgrain --example solver_choice -- docs/solver-choice.md
+
+Each row is one static solve to a relative residual of 1e-8: a box of two phases with an E ratio of 1000 and ν = 0.45, clamped at
+x = 0, under gravity. *Blobs* are random blocks of 4³ cells; *layers* lie at 45°, four cells thick. Seconds include analysis, factorisation
+or the multigrid hierarchy, and the solve. Peak memory is that of the process so far.
+";
+
+const HEADING: &str = "
+| body | cells | unknowns | right-hand sides | solver | iterations | residual | seconds | peak MB |
+|---|---|---|---|---|---|---|---|---|
+";
+
+type Failure = Box<dyn Error>;
+
+fn main() -> Result<(), Failure> {
+    let machine = format!("\nMachine: {}, {} threads.\n", processor(), rayon::current_num_threads());
+    let mut page = format!("{INTRODUCTION}{machine}\n## Side by side\n{HEADING}");
     for n in [12, 16, 20, 24, 28, 32, 40] {
         for columns in [1, 6] {
             for choice in [SolverChoice::Direct, SolverChoice::Iterative] {
-                row([n; 3], ("blobs", blobs()), columns, choice)?;
-                row([n; 3], ("layers", layers()), columns, choice)?;
+                page += &row([n; 3], ("blobs", blobs()), columns, choice)?;
+                page += &row([n; 3], ("layers", layers()), columns, choice)?;
             }
         }
     }
+    page += &format!("\n## Large bodies, the solver chosen automatically\n{HEADING}");
+    page += &row([48, 48, 36], ("blobs", blobs()), 1, SolverChoice::Auto)?;
+    page += &row([48, 48, 36], ("layers", layers()), 1, SolverChoice::Auto)?;
+    page += &row([128; 3], ("blobs", blobs()), 1, SolverChoice::Auto)?;
+    match std::env::args().nth(1) {
+        Some(path) => write_atomically(Path::new(&path), |writer| writer.write_all(page.as_bytes()))?,
+        None => print!("{page}"),
+    }
     Ok(())
+}
+
+fn processor() -> String {
+    let information = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let line = information.lines().find(|line| line.starts_with("model name"));
+    line.and_then(|line| line.split(": ").nth(1)).unwrap_or("unknown processor").to_owned()
 }
 
 fn blobs() -> Pattern {
@@ -55,32 +81,31 @@ fn row(
     (name, pattern): (&str, Pattern),
     columns: usize,
     choice: SolverChoice,
-) -> Result<(), Box<dyn Error>> {
+) -> Result<String, Failure> {
     let mut grid = VoxelGrid::uniform(cells, [0.01; 3], Label(0));
     pattern.paint(&mut grid)?;
     let fixed = Selector::Plane { axis: Axis::X, at: PlaneAt::Min }.nodes(&grid)?.mask;
     let model = FineModel::new(grid, &materials()?)?;
     let constraints = Constraints::nodes(&fixed);
-    let mut block: Vec<f64> =
-        (0..columns).flat_map(|c| gravity(&model, [[0.0, 0.0, -9.81], [0.0, 9.81, 0.0]][c % 2])).collect();
+    let direction = |column: usize| [[0.0, 0.0, -9.81], [0.0, 9.81, 0.0]][column % 2];
+    let mut block: Vec<f64> = (0..columns).flat_map(|c| gravity(&model, direction(c))).collect();
     let system = LatticeSystem { cells: &model, spacing: [0.01; 3], hold: Hold::Fixed(&constraints) };
     let start = Instant::now();
     let outcome = system.solve(choice, &mut block, &silent);
     let seconds = start.elapsed().as_secs_f64();
     let [x, y, z] = cells;
+    let solved = match outcome {
+        Ok(report) => format!("{} | {} | {:.1e}", report.kind, report.iterations, report.relative_residual),
+        Err(error) => format!("{error} | – | –"),
+    };
     let unknowns = 3 * model.active_count();
-    print!("| {name} | {x}×{y}×{z} | {unknowns} | {columns} | ");
-    match outcome {
-        Ok(report) => {
-            print!("{} | {} | {:.1e} | {seconds:.2} | ", report.kind, report.iterations, report.relative_residual);
-        }
-        Err(error) => print!("{error} | – | – | {seconds:.2} | "),
-    }
-    println!("{} |", peak_megabytes().map_or("–".into(), |m| m.to_string()));
-    Ok(())
+    let peak = peak_megabytes().map_or("–".into(), |m| m.to_string());
+    let row = format!("| {name} | {x}×{y}×{z} | {unknowns} | {columns} | {solved} | {seconds:.2} | {peak} |\n");
+    eprint!("{row}");
+    Ok(row)
 }
 
-fn materials() -> Result<MaterialTable, Box<dyn Error>> {
+fn materials() -> Result<MaterialTable, Failure> {
     let mut table = MaterialTable::new();
     for (label, young) in [(0, 1e5), (1, 1e5 * RATIO)] {
         let elasticity = Elasticity::Isotropic(IsotropicMaterial::new(young, 0.45)?);
