@@ -3,6 +3,7 @@
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
+use grosgrain::progress::SOLVING;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::interruption::is_interrupted;
@@ -57,7 +58,10 @@ impl Progress {
             (Voice::Bar(bar), _) => bar.set_position(bar.position().max(done as u64)),
             (Voice::Plain, Some(stage)) if stage.last_line.elapsed() >= PLAIN_INTERVAL => {
                 stage.last_line = Instant::now();
-                eprintln!("{name}: {} of {}", count(done), count(total));
+                match name {
+                    SOLVING => eprintln!("{name}: {done} %"),
+                    _ => eprintln!("{name}: {} of {}", count(done), count(total)),
+                }
             }
             _ => {}
         }
@@ -99,7 +103,7 @@ impl Progress {
         if let Voice::Bar(bar) = &self.voice {
             bar.reset();
             bar.set_length(total as u64);
-            bar.set_style(style());
+            bar.set_style(style(name));
             bar.set_message(name);
         }
         let now = Instant::now();
@@ -111,14 +115,19 @@ impl Progress {
         if let Voice::Bar(bar) = &self.voice {
             bar.finish_and_clear();
         }
-        if let (Some(duration), false) = (stage.duration, matches!(self.voice, Voice::Silent)) {
+        // Who solved tells the number of iterations.
+        let is_told = matches!(self.voice, Voice::Silent) || stage.name == SOLVING;
+        if let (Some(duration), false) = (stage.duration, is_told) {
             eprintln!("{}: {} in {}", stage.name, count(stage.total), seconds(duration.as_secs_f64()));
         }
     }
 }
 
-fn style() -> ProgressStyle {
-    let template = "{msg} {bar:30} {human_pos} of {human_len}, {per_sec}, {eta} left";
+fn style(stage: &str) -> ProgressStyle {
+    let template = match stage {
+        SOLVING => "{msg} {bar:30} {percent} %, {eta} left",
+        _ => "{msg} {bar:30} {human_pos} of {human_len}, {per_sec}, {eta} left",
+    };
     ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar())
 }
 

@@ -9,3 +9,7 @@ pub type Progress<'a> = &'a (dyn Fn(&'static str, usize, usize) -> bool + Sync);
 pub fn silent(_: &'static str, _: usize, _: usize) -> bool {
     true
 }
+
+/// The stage in which equations are solved by iteration. Its steps are percent of the decimal digits to be won, because
+/// the number of iterations is not known beforehand.
+pub const SOLVING: &str = "solving";

@@ -6,7 +6,7 @@ use super::{AnalysedLattice, DirectSolver, Multigrid, MultigridParameters, Rigid
 use super::{TOLERANCE, free_support};
 use crate::assembly::{CellStiffness, Constraints, LatticePattern, MatrixFree, active_nodes};
 use crate::linalg::{CholeskyError, ConjugateGradientParameters, ConjugateGradients, LinearOperator};
-use crate::progress::Progress;
+use crate::progress::{Progress, SOLVING};
 
 /// How to solve a lattice system.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -174,11 +174,12 @@ impl LatticeSystem<'_> {
             solver = solver.with_projector(projector);
         }
         let mut solution = vec![0.0; 3 * active.len()];
-        for column in block.chunks_exact_mut(3 * active.len()) {
+        let columns = block.len() / (3 * active.len());
+        for (n, column) in block.chunks_exact_mut(3 * active.len()).enumerate() {
             keep_free(column, operator.free());
             solution.fill(0.0);
             let info = solver.solve(column, &mut solution, &mut multigrid, &|_, residual| {
-                progress("solving", digits(residual), digits(TOLERANCE))
+                progress(SOLVING, percent(n, columns, residual), 100)
             })?;
             column.copy_from_slice(&solution);
             report.iterations = report.iterations.max(info.iterations);
@@ -198,14 +199,27 @@ impl LatticeSystem<'_> {
     }
 }
 
-/// Tenths of decimal digits won by a relative residual: what the progress of an iteration counts.
-fn digits(residual: f64) -> usize {
-    (-10.0 * residual.log10()).clamp(0.0, 1000.0) as usize
+/// How far the right-hand sides are solved when `done` of `columns` are, and the next has this relative residual:
+/// iteration wins decimal digits at an even pace.
+fn percent(done: usize, columns: usize, residual: f64) -> usize {
+    let share = (residual.log10() / TOLERANCE.log10()).clamp(0.0, 1.0);
+    (100.0 * (done as f64 + share) / columns as f64) as usize
 }
 
 /// Sets entries that are no unknowns to zero.
 fn keep_free(column: &mut [f64], free: &[u8]) {
     for (node, bits) in free.iter().enumerate() {
         (0..3).filter(|r| bits >> r & 1 == 0).for_each(|r| column[3 * node + r] = 0.0);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn progress_counts_the_digits_won_of_all_right_hand_sides() {
+        assert_eq!([1.0, 1e-4, 1e-8, 1e-12].map(|r| percent(0, 1, r)), [0, 50, 100, 100]);
+        assert_eq!([percent(0, 4, 10.0), percent(1, 4, 1e-4), percent(3, 4, 1e-8)], [0, 37, 100]);
     }
 }
