@@ -14,11 +14,15 @@ pub struct Arguments {
     #[command(subcommand)]
     pub command: Command,
     /// Number of threads; all cores without it. Results do not depend on it
-    #[arg(long, global = true, value_name = "N")]
+    #[arg(long, global = true, value_name = "N", value_parser = parse_threads)]
     pub threads: Option<NonZeroUsize>,
     /// No progress on stderr; warnings and errors stay
     #[arg(long, global = true)]
     pub quiet: bool,
+}
+
+fn parse_threads(text: &str) -> Result<NonZeroUsize, String> {
+    text.parse().map_err(|_| "expected a whole number of at least 1; leave the option out for all cores".into())
 }
 
 const EXAMPLES: &str = "Examples:

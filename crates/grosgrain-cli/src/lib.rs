@@ -10,6 +10,7 @@ pub mod interruption;
 pub mod memory;
 pub mod method;
 pub mod outcome;
+pub mod output;
 pub mod picture;
 pub mod problem;
 pub mod progress;

@@ -78,7 +78,7 @@ impl FromStr for Method {
             (None, None) if ["substructured", "tensor"].contains(&stem) => Err(MethodError::NotYet(name.into())),
             _ => {
                 let near = nearest(stem, &Self::ALL.map(|(known, _)| known));
-                let hint = near.map_or_else(String::new, |near| format!(", did you mean {near:?}?"));
+                let hint = near.map_or_else(String::new, |near| format!(" (did you mean {near:?}?)"));
                 Err(MethodError::Unknown { name: name.into(), hint })
             }
         }

@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use grosgrain::coarse::{Built, build};
 use grosgrain::dynamics::{CoarseSolution, FineSolution, relative_error, solve_coarse, solve_fine};
+use grosgrain::progress::SOLVING;
 use grosgrain::solver::{SolveReport, SolverChoice};
 
 use crate::failure::Failure;
@@ -12,7 +13,11 @@ use crate::interruption::is_interrupted;
 use crate::method::Method;
 use crate::problem::Problem;
 use crate::progress::Progress;
+use crate::quantities::{counted, number, seconds};
 use crate::report::{ModelSize, RunError, Solver};
+
+/// Energy ratios beyond this are told.
+const SUSPICIOUS_RATIO: f64 = 2.0;
 
 /// A coarse model with its equilibrium.
 #[derive(Debug)]
@@ -40,12 +45,17 @@ pub struct FineRun {
 /// The method `fine`; a model that cannot be built; an interruption.
 pub fn build_coarse(problem: &Problem, method: Method, progress: &Progress) -> Result<Built, Failure> {
     let Some(options) = problem.build_options(method) else {
-        return Err(Failure::Unusable("the method fine has no coarse model; expected another one".into()));
+        return Err(Failure::Unusable(
+            "the method fine has no coarse model; expected trilinear, average, global, one-ring or single-cell".into(),
+        ));
     };
     let report = |stage, done, total| progress.report(stage, done, total);
     let built = build(&problem.model, problem.scene.coarsening.degree, &options, &report);
     progress.close();
     let built = built.map_err(|error| failed(&error))?;
+    if let Some(solver) = &built.report.training_solver {
+        tell_iterations(solver, built.report.training_seconds, progress);
+    }
     warn_of_fits(&built, progress);
     Ok(built)
 }
@@ -61,17 +71,19 @@ pub fn run_coarse(problem: &Problem, method: Method, progress: &Progress) -> Res
     let solution = solve_coarse(&problem.model, &built.model, &problem.fixed, &problem.loads, &report);
     progress.close();
     let solution = solution.map_err(|error| failed(&format!("the coarse model: {error}")))?;
+    let solved = start.elapsed().as_secs_f64();
+    tell_iterations(&solution.report, solved, progress);
     if solution.held_by_penalty > 0 {
         progress.say(&format!(
-            "{} fixed fine nodes lie inside coarse cells; a penalty holds them on average",
-            solution.held_by_penalty
+            "a penalty holds {} inside coarse cells on average",
+            counted(solution.held_by_penalty, "fixed fine node")
         ));
     }
     let seconds = BTreeMap::from([
         ("training".to_owned(), built.report.training_seconds),
         ("fitting".to_owned(), built.report.fitting_seconds),
         ("assembly".to_owned(), built.report.assembly_seconds),
-        ("solve".to_owned(), start.elapsed().as_secs_f64()),
+        ("solve".to_owned(), solved),
     ]);
     Ok(CoarseRun { built, solution, seconds })
 }
@@ -86,7 +98,15 @@ pub fn run_fine(problem: &Problem, progress: &Progress) -> Result<FineRun, Failu
     let solution = solve_fine(&problem.model, &problem.fixed, &problem.loads, SolverChoice::Auto, &report);
     progress.close();
     let solution = solution.map_err(|error| failed(&format!("the fine model: {error}")))?;
-    Ok(FineRun { solution, seconds: start.elapsed().as_secs_f64() })
+    let seconds = start.elapsed().as_secs_f64();
+    tell_iterations(&solution.report, seconds, progress);
+    Ok(FineRun { solution, seconds })
+}
+
+fn tell_iterations(report: &SolveReport, duration: f64, progress: &Progress) {
+    if report.iterations > 0 {
+        progress.say(&format!("{SOLVING}: {} in {}", counted(report.iterations, "iteration"), seconds(duration)));
+    }
 }
 
 impl CoarseRun {
@@ -127,13 +147,24 @@ fn failed(error: &dyn std::fmt::Display) -> Failure {
     }
 }
 
+/// Warns of a coarse model that stores far more energy than the fine one under the same loads.
+pub fn warn_of_softness(method: &str, energy_ratio: f64, progress: &Progress) {
+    if energy_ratio > SUSPICIOUS_RATIO {
+        progress.warn(&format!(
+            "{method} stores {} times the fine model's energy, so it is much too soft: stiff parts may pass between its \
+             corners, or the body fills little of its cells; compare with base = \"material\" or a smaller degree",
+            number(energy_ratio)
+        ));
+    }
+}
+
 fn warn_of_fits(built: &Built, progress: &Progress) {
     let dropped = &built.report.rank_deficient;
     if let Some((cell, fields)) = dropped.first() {
         let at = built.model.partition().coarse().cell_position(grosgrain::mesh::Cell(cell.0));
         progress.warn(&format!(
-            "{} coarse cells had training fields that depend on each other and dropped some; first ({}, {}, {}), which kept {fields} of 6",
-            dropped.len(),
+            "training fields depend on each other in {}, so some were dropped; the first cell, ({}, {}, {}), kept {fields} of 6",
+            counted(dropped.len(), "coarse cell"),
             at[0],
             at[1],
             at[2]

@@ -6,20 +6,18 @@ use std::time::Instant;
 
 use grosgrain::coarse::BuildOptions;
 use grosgrain::fine::{FineModel, gravity, node_forces, traction};
-use grosgrain::mesh::{Label, Volume, VoxelGrid, loose_parts, pad_to_multiple};
+use grosgrain::mesh::{Label, Volume, VoxelGrid, pad_to_multiple};
 
-use crate::body::{build_body, held_nodes};
+use crate::body::{build_body, held_nodes, loose_when_held};
 use crate::failure::Failure;
 use crate::method::Method;
 use crate::progress::Progress;
 use crate::quantities::triple_count;
 use crate::report::ModelSize;
-use crate::scene::{Load, LoadKind, Scene, Source, VoxelModulus, read_scene};
+use crate::scene::{Filling, Load, LoadKind, Scene, Source, VoxelModulus, read_scene};
 
 /// Label of the voids that fill the last coarse cells.
 const PADDING: Label = Label(-1);
-/// Loose parts that are told one by one.
-const TOLD_PARTS: usize = 3;
 
 /// A scene with its fine model.
 #[derive(Debug)]
@@ -65,32 +63,13 @@ impl Problem {
     pub fn require_support(&self) -> Result<(), Failure> {
         self.scene.require_conditions()?;
         if self.loads.iter().all(|force| *force == 0.0) {
-            let sentence = "the loads add up to no force at any node, so the body would not move; expected a load, and a density where it is gravity";
-            return Err(Failure::Unusable(format!("{}: {sentence}", self.scene.file.display())));
+            let sentence = "the loads add up to no force at any node, so the body would not move; \
+                            expected a load, and a density where it is gravity";
+            return Err(self.scene.unusable("load", sentence).into());
         }
-        let fixed: Vec<[bool; 3]> = self.fixed.iter().map(|f| [*f; 3]).collect();
-        let loose = loose_parts(self.model.grid(), &fixed);
-        if loose.is_empty() {
-            return Ok(());
-        }
-        let told: Vec<String> = loose.iter().take(TOLD_PARTS).map(|part| format!("{part}")).collect();
-        let more = match loose.len().saturating_sub(TOLD_PARTS) {
-            0 => String::new(),
-            n => format!("; and {n} more such parts"),
-        };
-        let remedy = "body.keep = \"supported\" or \"largest\" leaves loose parts out";
-        let sentence = format!("{}{more}. {remedy}", told.join(". "));
-        Err(Failure::Unusable(format!("{}: {sentence}", self.scene.file.display())))
-    }
-
-    /// Warns of parts that hang on nothing in a scene that is only coarsened.
-    pub fn warn_of_loose_parts(&self, progress: &Progress) {
-        let loose = grosgrain::mesh::parts_loose_from_largest(self.model.grid());
-        for part in loose.iter().take(TOLD_PARTS) {
-            progress.warn(&format!("{part}"));
-        }
-        if loose.len() > TOLD_PARTS {
-            progress.warn(&format!("{} more such parts", loose.len() - TOLD_PARTS));
+        match loose_when_held(&self.scene, self.model.grid())? {
+            None => Ok(()),
+            Some(sentence) => Err(self.scene.unusable("fix", sentence).into()),
         }
     }
 
@@ -121,14 +100,23 @@ impl Problem {
         let mut files = vec![self.scene.file.clone()];
         match &self.scene.body.source {
             Source::Volume(file) | Source::Moduli(file) => files.push(file.clone()),
-            Source::Grid(..) => {}
+            Source::Grid(_, Filling::File(file)) => files.push(file.clone()),
+            Source::Grid(_, Filling::Pattern(_)) => {}
         }
         if let Some(VoxelModulus::File(file)) = &self.scene.body.modulus {
             files.push(file.clone());
         }
-        files.retain(|file| file.is_file());
-        files
+        files.into_iter().flat_map(files_of).collect()
     }
+}
+
+/// The file itself, or the files in a folder of slices, in the order of their names.
+fn files_of(path: PathBuf) -> Vec<PathBuf> {
+    let Ok(entries) = std::fs::read_dir(&path) else { return vec![path] };
+    let mut files: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
+    files.retain(|file| file.is_file());
+    files.sort();
+    files
 }
 
 fn padded(grid: &VoxelGrid, degree: usize, progress: &Progress) -> VoxelGrid {
@@ -155,7 +143,7 @@ fn all_loads(scene: &Scene, model: &FineModel) -> Result<Vec<f64>, Failure> {
 }
 
 fn loads_of(scene: &Scene, model: &FineModel, load: &Load) -> Result<Vec<f64>, Failure> {
-    let refuse = |error: String| Failure::Unusable(format!("{}: {}: {error}", scene.file.display(), load.key));
+    let refuse = |error: String| Failure::from(scene.unusable(&load.key, error));
     let nodes = |selection: &grosgrain::mesh::Selector| {
         selection.nodes(model.grid()).map_err(|error| refuse(format!("where: {error}")))
     };

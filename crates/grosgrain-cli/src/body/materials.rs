@@ -8,7 +8,10 @@ use grosgrain::mesh::{Label, VoxelGrid};
 use super::unusable;
 use crate::failure::Failure;
 use crate::quantities::counted;
-use crate::scene::{Constants, Scene, SceneMaterial, VoxelModulus};
+use crate::scene::{Constants, Scene, SceneMaterial, VoxelModulus, enumeration};
+
+/// Labels without material that are told one by one.
+const TOLD_LABELS: usize = 5;
 
 /// The name of the material that a modulus law makes.
 const LAW_NAME: &str = "modulus law";
@@ -46,10 +49,20 @@ pub fn require_materials(scene: &Scene, grid: &VoxelGrid) -> Result<(), Failure>
             format!(
                 "the body has {} without a material; expected a table [materials.NAME] with that label, \
                  or the label in body.void",
-                crate::scene::enumeration(&missing)
+                abridged(missing)
             ),
         )),
     }
+}
+
+/// `a and b`; of a long list the first ones and how many more there are.
+fn abridged(mut names: Vec<String>) -> String {
+    let more = names.len().saturating_sub(TOLD_LABELS);
+    if more > 1 {
+        names.truncate(TOLD_LABELS);
+        names.push(format!("{more} more labels"));
+    }
+    enumeration(&names)
 }
 
 /// How many solid voxels each label has.

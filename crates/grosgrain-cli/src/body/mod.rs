@@ -1,15 +1,14 @@
 //! From a scene to a body: voxels, materials, and the parts that conditions hold on.
 
 mod materials;
+mod support;
 mod voxels;
 
 pub use materials::solid_counts;
+pub use support::{loose_from_largest, loose_when_held};
 
 use grosgrain::material::MaterialTable;
-use grosgrain::mesh::{
-    Components, Neighbourhood, NodeSelection, Removed, Selector, Volume, VoxelGrid, keep_largest, remove_floating,
-    resample,
-};
+use grosgrain::mesh::{NodeSelection, Removed, Selector, Volume, VoxelGrid, keep_largest, remove_floating, resample};
 
 use crate::failure::Failure;
 use crate::quantities::{counted, triple_count};
@@ -90,7 +89,7 @@ pub fn held_nodes(scene: &Scene, grid: &VoxelGrid) -> Result<Vec<bool>, Failure>
 
 fn keep_components(scene: &Scene, grid: &mut VoxelGrid, remarks: &mut Vec<String>) -> Result<(), Failure> {
     let removed = match scene.body.keep {
-        Keep::All => return warn_of_floating_parts(scene, grid, remarks),
+        Keep::All => return Ok(()),
         Keep::Largest => keep_largest(grid),
         Keep::Supported => {
             let held = held_nodes(scene, grid)?;
@@ -103,22 +102,6 @@ fn keep_components(scene: &Scene, grid: &mut VoxelGrid, remarks: &mut Vec<String
             "left out {} with {} {what}",
             counted(removed.components, "part"),
             counted(removed.cells, "cell")
-        ));
-    }
-    Ok(())
-}
-
-fn warn_of_floating_parts(scene: &Scene, grid: &VoxelGrid, remarks: &mut Vec<String>) -> Result<(), Failure> {
-    if scene.fixes.is_empty() || Components::new(&grid.void, &grid.lattice, Neighbourhood::Faces).count() < 2 {
-        return Ok(());
-    }
-    let floating = remove_floating(&mut grid.clone(), &held_nodes(scene, grid)?);
-    if floating != Removed::default() {
-        remarks.push(format!(
-            "{} of the body with {} share no face with a part that is held; \
-             body.keep = \"supported\" or \"largest\" leaves them out",
-            counted(floating.components, "part"),
-            counted(floating.cells, "cell")
         ));
     }
     Ok(())

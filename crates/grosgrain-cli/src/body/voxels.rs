@@ -15,11 +15,11 @@ use crate::scene::{Filling, Grid, Labelling, Scene, Source, VoxelModulus};
 pub fn read_grid(scene: &Scene) -> Result<(VoxelGrid, Option<Volume>), Failure> {
     let (mut grid, volume) = match &scene.body.source {
         Source::Volume(path) => {
-            let volume = read_volume(path)?;
+            let volume = read(scene, "body.volume", path)?;
             (label(scene, &volume, spacing(scene, path, &volume)?)?, Some(volume))
         }
         Source::Moduli(path) => {
-            let volume = read_volume(path)?;
+            let volume = read(scene, "body.young", path)?;
             (moduli(scene, path, &volume)?, Some(volume))
         }
         Source::Grid(grid, filling) => (fill(scene, grid, filling)?, None),
@@ -27,7 +27,7 @@ pub fn read_grid(scene: &Scene) -> Result<(VoxelGrid, Option<Volume>), Failure> 
     match &scene.body.modulus {
         None => {}
         Some(VoxelModulus::File(path)) => {
-            let volume = read_volume(path)?;
+            let volume = read(scene, "body.young", path)?;
             require_same_size(scene, "body.young", path, volume.cells, grid.lattice.cells)?;
             apply_law(scene, "body.young", &ModulusLaw::Direct, None, &volume, &mut grid)?;
         }
@@ -38,6 +38,10 @@ pub fn read_grid(scene: &Scene) -> Result<(VoxelGrid, Option<Volume>), Failure> 
         }
     }
     Ok((grid, volume))
+}
+
+fn read(scene: &Scene, key: &str, path: &Path) -> Result<Volume, Failure> {
+    read_volume(path).map_err(|error| unusable(scene, key, error))
 }
 
 fn spacing(scene: &Scene, path: &Path, volume: &Volume) -> Result<[f64; 3], Failure> {
@@ -69,7 +73,7 @@ fn fill(scene: &Scene, grid: &Grid, filling: &Filling) -> Result<VoxelGrid, Fail
             pattern.paint(&mut filled).map_err(|error| unusable(scene, "body.pattern", error))?;
         }
         Filling::File(path) => {
-            let volume = read_volume(path)?;
+            let volume = read(scene, "body.pattern.file", path)?;
             require_same_size(scene, "body.pattern.file", path, volume.cells, grid.cells)?;
             filled = label_by_integers(&volume, &[], spacing)
                 .map_err(|error| unusable(scene, "body.pattern.file", error))?;

@@ -7,9 +7,12 @@ use grosgrain::coarse::Built;
 use grosgrain::io::write_model;
 use serde::Serialize;
 
+use crate::body::loose_from_largest;
 use crate::failure::Failure;
+use crate::interruption;
 use crate::method::Method;
 use crate::outcome::build_coarse;
+use crate::output::OutputFolder;
 use crate::problem::Problem;
 use crate::progress::Progress;
 use crate::quantities::{bytes, count, number, seconds};
@@ -64,9 +67,13 @@ struct Stages {
 
 /// Trains, fits and writes the coarse model.
 pub fn run(arguments: &Arguments, progress: &Progress) -> Result<(), Failure> {
+    let output = arguments.output.clone().unwrap_or_else(|| default_output(&arguments.scene));
     let problem = Problem::read(&arguments.scene, progress)?;
-    problem.warn_of_loose_parts(progress);
+    if let Some(sentence) = loose_from_largest(problem.model.grid()) {
+        progress.warn(&sentence);
+    }
     let method = problem.method(arguments.method);
+    let _folders = (OutputFolder::around(&output)?, arguments.json.as_deref().map(OutputFolder::around).transpose()?);
     let built = build_coarse(&problem, method, progress)?;
     let figures = Figures::new(&problem, method, &built);
     if let Some(condition) = figures.worst_condition.filter(|c| *c > DOUBTFUL_CONDITION) {
@@ -74,7 +81,7 @@ pub fn run(arguments: &Arguments, progress: &Progress) -> Result<(), Failure> {
             "the training data of a coarse cell are nearly dependent (condition {condition:.0e}); its shape functions may be large"
         ));
     }
-    let output = arguments.output.clone().unwrap_or_else(|| default_output(&arguments.scene));
+    interruption::check()?;
     write_model(&output, &problem.model, &built.model, built.training.as_ref())
         .map_err(|error| Failure::Failed(format!("{}: {error}", output.display())))?;
     if let Some(json) = &arguments.json {

@@ -8,7 +8,8 @@ use serde::Serialize;
 use crate::failure::Failure;
 use crate::interruption;
 use crate::method::Method;
-use crate::outcome::{FineRun, run_coarse, run_fine};
+use crate::outcome::{FineRun, run_coarse, run_fine, warn_of_softness};
+use crate::output::OutputFolder;
 use crate::problem::Problem;
 use crate::progress::Progress;
 use crate::quantities::{count, number, seconds};
@@ -17,9 +18,6 @@ use crate::results;
 const EXAMPLES: &str = "Examples:
   grosgrain compare scenes/beam-oblique.toml
   grosgrain compare scenes/beam-along.toml --methods trilinear,one-ring,global --json errors.json";
-
-/// Energy ratios beyond this, or below its inverse, are told.
-const SUSPICIOUS_RATIO: f64 = 2.0;
 
 /// Arguments of `compare`.
 #[derive(Args, Clone, Debug)]
@@ -54,6 +52,7 @@ pub fn run(arguments: &Arguments, progress: &Progress) -> Result<(), Failure> {
         true => Method::ALL.map(|(_, method)| method).to_vec(),
         false => arguments.methods.clone(),
     };
+    let _folder = arguments.json.as_deref().map(OutputFolder::around).transpose()?;
     progress.say("solving the fine model");
     let fine = run_fine(&problem, progress)?;
     let mut rows = Vec::new();
@@ -67,7 +66,7 @@ pub fn run(arguments: &Arguments, progress: &Progress) -> Result<(), Failure> {
     let report = &fine.solution.report;
     let solver = format!("fine model solved by {}: {}", report.kind, report.reason);
     results::print(&format!("{}\n{}\n{solver}", problem.scene.title, table(&rows)))?;
-    warn_of_softness(&rows, progress);
+    rows.iter().for_each(|row| warn_of_softness(&row.method, row.energy_ratio, progress));
     Ok(())
 }
 
@@ -108,15 +107,4 @@ fn table(rows: &[Row]) -> String {
         ]
     });
     results::columns(&std::iter::once(heading).chain(cells).collect::<Vec<_>>())
-}
-
-fn warn_of_softness(rows: &[Row], progress: &Progress) {
-    for row in rows.iter().filter(|row| row.energy_ratio > SUSPICIOUS_RATIO) {
-        progress.warn(&format!(
-            "{} stores {} times the fine model's energy, so it is much too soft: stiff parts may pass between its corners; \
-             compare with base = \"material\" or a smaller degree",
-            row.method,
-            number(row.energy_ratio)
-        ));
-    }
 }

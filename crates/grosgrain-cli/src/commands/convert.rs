@@ -16,8 +16,8 @@ use crate::scene::alternatives;
 const WRITABLE: [&str; 6] = [".nii", ".nii.gz", ".nrrd", ".mha", ".mhd", ".npy"];
 
 const EXAMPLES: &str = "Examples:
-  grosgrain convert scan.nii.gz scan.nrrd
-  grosgrain convert stack.tif volume.mha --spacing 0.001,0.001,0.002 --overwrite";
+  grosgrain convert data/ct_torso/example_ct.nii.gz ct.nrrd
+  grosgrain convert data/ct_torso/example_ct.nii.gz ct.mha --spacing 0.003,0.003,0.004 --overwrite";
 
 /// Arguments of `convert`.
 #[derive(Args, Debug)]

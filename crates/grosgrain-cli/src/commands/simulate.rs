@@ -8,8 +8,10 @@ use clap::Args;
 use crate::deformed_volume;
 use crate::failure::Failure;
 use crate::frames;
+use crate::interruption;
 use crate::method::Method;
-use crate::outcome::{CoarseRun, FineRun, run_coarse, run_fine, solver_of};
+use crate::outcome::{CoarseRun, FineRun, run_coarse, run_fine, solver_of, warn_of_softness};
+use crate::output::OutputFolder;
 use crate::picture;
 use crate::problem::Problem;
 use crate::progress::Progress;
@@ -46,22 +48,23 @@ pub fn run(arguments: &Arguments, progress: &Progress) -> Result<(), Failure> {
     let start = Instant::now();
     let mut problem = Problem::read(&arguments.scene, progress)?;
     problem.require_support()?;
-    let folder = arguments.output.clone().unwrap_or_else(|| default_folder(&arguments.scene));
-    std::fs::create_dir_all(&folder)
-        .map_err(|error| Failure::Failed(format!("the folder {} cannot be made: {error}", folder.display())))?;
+    let output = arguments.output.clone().unwrap_or_else(|| default_folder(&arguments.scene));
+    let output = OutputFolder::make(&output)?;
+    let folder = output.path();
     let method = problem.method(arguments.method);
     let runs = solve(&problem, method, progress)?;
+    interruption::check()?;
     let writing = Instant::now();
-    let mut written = frames::write(&problem, runs.coarse.as_ref(), runs.fine.as_ref(), &folder)?;
+    let mut written = frames::write(&problem, runs.coarse.as_ref(), runs.fine.as_ref(), folder)?;
     if problem.scene.output.picture {
         progress.say("drawing the picture");
-        written.push(picture::write(&problem, method, (runs.coarse.as_ref(), runs.fine.as_ref()), &folder)?);
+        written.push(picture::write(&problem, method, (runs.coarse.as_ref(), runs.fine.as_ref()), folder)?);
     }
     let shown = runs.coarse.as_ref().map(|run| &run.solution.displacement);
     let shown = shown.or(runs.fine.as_ref().map(|run| &run.solution.displacement));
     if let Some(displacement) = shown.filter(|_| problem.scene.output.volume) {
         progress.say("resampling the deformed volume");
-        written.push(deformed_volume::write(&problem, displacement, &folder)?);
+        written.push(deformed_volume::write(&problem, displacement, folder)?);
     }
     problem.seconds.insert("output".into(), writing.elapsed().as_secs_f64());
     problem.seconds.insert("total".into(), start.elapsed().as_secs_f64());
@@ -69,7 +72,9 @@ pub fn run(arguments: &Arguments, progress: &Progress) -> Result<(), Failure> {
     let path = folder.join("report.json");
     results::write_json(&path, &report)?;
     written.push(path);
-    results::print(&text(&report, &written))
+    results::print(&text(&report, &written))?;
+    report.error.iter().for_each(|error| warn_of_softness(&report.method, error.energy_ratio, progress));
+    Ok(())
 }
 
 fn default_folder(scene: &Path) -> PathBuf {

@@ -27,7 +27,7 @@ const SUPERNODE_MERGING: &[(usize, f64)] = &[(6, 1.0), (24, 0.8), (96, 0.15), (u
 pub enum CholeskyError {
     /// The matrix is singular or indefinite.
     #[error(
-        "the stiffness is not positive definite (pivot {pivot} of {order}): a part of the body hangs on nothing, or a material has no stiffness"
+        "the stiffness is not positive definite (pivot {pivot} of {order}): a part of the body hangs on nothing, a material has no stiffness, or moduli differ by too much; fix the part, or lower the contrast"
     )]
     NotPositiveDefinite {
         /// Position of the pivot in elimination order.

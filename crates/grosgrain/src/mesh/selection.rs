@@ -79,7 +79,7 @@ pub struct NodeSelection {
 pub enum SelectionError {
     /// It picks no node of the body.
     #[error(
-        "the selection holds no node of the body, which extends over x {:.6}..{:.6}, y {:.6}..{:.6}, z {:.6}..{:.6} m",
+        "the selection holds no node of the body, which extends over x {:.6}..{:.6}, y {:.6}..{:.6}, z {:.6}..{:.6} m; move or enlarge it",
         low[0], high[0], low[1], high[1], low[2], high[2]
     )]
     Empty {

@@ -41,9 +41,10 @@ pub struct LoosePart {
 impl std::fmt::Display for LoosePart {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let [i, j, k] = self.first_cell;
-        let what = if self.largest { "the largest part, of" } else { "a part of" };
+        let what = if self.largest { "the largest part," } else { "a part of" };
         let plural = if self.cells == 1 { "cell" } else { "cells" };
-        write!(f, "{what} {} {plural} around cell ({i}, {j}, {k}) ", self.cells)?;
+        let comma = if self.largest { "," } else { "" };
+        write!(f, "{what} {} {plural} around cell ({i}, {j}, {k}){comma} ", self.cells)?;
         match self.held_by {
             HeldBy::Nothing => write!(f, "is held by nothing")?,
             HeldBy::Node => write!(f, "is held only by a node and can still turn")?,
@@ -51,7 +52,7 @@ impl std::fmt::Display for LoosePart {
             HeldBy::Partly if self.free_motions == 1 => write!(f, "can still move in 1 way")?,
             HeldBy::Partly => write!(f, "can still move in {} ways", self.free_motions)?,
         }
-        let remedy = if self.largest { "fix more of it" } else { "keep the largest component or fix it" };
+        let remedy = if self.largest { "fix more of it" } else { "fix it or leave it out" };
         write!(f, "; {remedy}")
     }
 }

@@ -16,7 +16,7 @@ use crate::results;
 
 const EXAMPLES: &str = "Examples:
   grosgrain inspect data/ct_torso/example_ct.nii.gz
-  grosgrain inspect --json beam.toml beam.npz";
+  grosgrain inspect --json scenes/beam-oblique.toml scenes/torso.toml";
 
 /// Arguments of `inspect`.
 #[derive(Args, Debug)]

@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::row;
 use super::volume::memory_row;
-use crate::body::{Body, build_body, solid_counts};
+use crate::body::{Body, build_body, loose_from_largest, loose_when_held, solid_counts};
 use crate::failure::Failure;
 use crate::memory;
 use crate::progress::Progress;
@@ -54,6 +54,11 @@ pub fn summarise(file: &Path, progress: &Progress) -> Result<SceneSummary, Failu
     scene.warnings.iter().for_each(|warning| progress.warn(warning));
     let body = build_body(&scene)?;
     body.remarks.iter().for_each(|remark| progress.say(remark));
+    let loose = match scene.fixes.is_empty() {
+        true => loose_from_largest(&body.grid),
+        false => loose_when_held(&scene, &body.grid)?,
+    };
+    loose.iter().for_each(|sentence| progress.warn(sentence));
     Ok(summary(&scene, &body))
 }
 
