@@ -6,7 +6,7 @@ use grosgrain::coarsening::{BaseKind, Objective};
 use grosgrain::material::Elasticity;
 use grosgrain::mesh::{Axis, Label, PlaneAt, Selector};
 use grosgrain::training::TrainingKind;
-use grosgrain_cli::body::{Body, build_body, solid_counts};
+use grosgrain_cli::body::{Body, build_body, loose_when_held, solid_counts};
 use grosgrain_cli::scene::{LoadKind, Scene, read_scene};
 
 const CONDITIONS: &str = "
@@ -300,7 +300,6 @@ fn parts_that_nothing_holds_are_told_or_left_out() {
         )
     };
     for (keep, solid, remark) in [
-        ("", 12, "1 part of the body with 4 cells share no face"),
         ("keep = \"largest\"", 8, "left out 1 part with 4 cells outside the largest part"),
         ("keep = \"supported\"", 8, "left out 1 part with 4 cells that nothing holds"),
     ] {
@@ -308,6 +307,10 @@ fn parts_that_nothing_holds_are_told_or_left_out() {
         assert_eq!(body.grid.solid_count(), solid, "{keep}");
         assert!(body.remarks.iter().any(|r| r.starts_with(remark)), "{keep}: {:?}", body.remarks);
     }
+    let (all, body) = read(&scene(""));
+    assert_eq!((body.grid.solid_count(), body.remarks.len()), (12, 0));
+    let sentence = loose_when_held(&all, &body.grid).unwrap().unwrap();
+    assert!(sentence.starts_with("a part of 4 cells around cell (3, 0, 0) is held by nothing; "), "{sentence}");
 }
 
 #[test]

@@ -1,0 +1,10 @@
+//! The program as a user runs it: whole runs, what they write, and what they refuse.
+
+mod accepted_runs;
+mod interruption;
+mod models;
+mod program;
+mod readme;
+mod refused_runs;
+mod scenes;
+mod tables;
