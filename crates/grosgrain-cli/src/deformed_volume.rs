@@ -1,10 +1,11 @@
 //! The deformed body as a volume file.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use grosgrain::fine::FineModel;
 use grosgrain::io::write_volume;
-use grosgrain::mesh::{Volume, warp};
+use grosgrain::mesh::{Cell, Label, Volume, warp};
 
 use crate::failure::Failure;
 use crate::problem::Problem;
@@ -26,7 +27,7 @@ pub fn write(problem: &Problem, displacement: &[f64], folder: &Path) -> Result<P
 fn deformed(problem: &Problem, displacement: &[f64]) -> Option<Volume> {
     let grid = problem.model.grid();
     let warped = warp(grid, displacement)?;
-    let value = |cell: Option<grosgrain::mesh::Cell>| {
+    let value = |cell: Option<Cell>| {
         cell.map_or(void_value(&problem.model), |c| match &grid.young {
             Some(young) => young[c.0],
             None => f64::from(grid.labels[c.0].0),
@@ -43,15 +44,15 @@ fn deformed(problem: &Problem, displacement: &[f64]) -> Option<Volume> {
     })
 }
 
-/// What voids hold: zero beside moduli, the label of a void where one is declared, else −1.
+/// What voids hold: zero beside moduli; else the label of a void that no solid cell has, or −1.
 fn void_value(model: &FineModel) -> f64 {
     let grid = model.grid();
-    let declared = (0..grid.void.len()).find(|&c| grid.void[c]);
-    match (&grid.young, declared) {
-        (Some(_), _) => 0.0,
-        (None, Some(c)) => f64::from(grid.labels[c].0),
-        (None, None) => -1.0,
+    if grid.young.is_some() {
+        return 0.0;
     }
+    let labels = |void: bool| (0..grid.void.len()).filter(move |&c| grid.void[c] == void).map(|c| grid.labels[c]);
+    let solid: BTreeSet<Label> = labels(false).collect();
+    labels(true).find(|label| !solid.contains(label)).map_or(-1.0, |label| f64::from(label.0))
 }
 
 /// The voxel-to-world matrix of the source for voxels of the fine lattice, moved by `offset` of them.
@@ -61,6 +62,14 @@ fn moved_world(problem: &Problem, source: &Volume, offset: [isize; 3]) -> Option
     let ratio: [f64; 3] = std::array::from_fn(|a| source.cells[a] as f64 / cells[a] as f64);
     // Fine voxel i has its centre at (i + offset + 1/2) ratio − 1/2 voxels of the source.
     let shift: [f64; 3] = std::array::from_fn(|a| (offset[a] as f64 + 0.5) * ratio[a] - 0.5);
+    // A spacing in the scene replaces the file's: columns get its length.
+    let given = problem.scene.body.spacing;
+    let stretch: [f64; 3] = std::array::from_fn(|a| match given {
+        Some(spacing) => 1e3 * spacing[a] / (0..3).map(|row| old[row][a].powi(2)).sum::<f64>().sqrt(),
+        None => 1.0,
+    });
+    let old: [[f64; 4]; 4] =
+        std::array::from_fn(|row| std::array::from_fn(|a| if a < 3 { old[row][a] * stretch[a] } else { old[row][a] }));
     let mut world = old;
     for row in 0..3 {
         (0..3).for_each(|a| world[row][a] = old[row][a] * ratio[a]);

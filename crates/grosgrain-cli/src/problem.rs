@@ -18,6 +18,8 @@ use crate::scene::{Filling, Load, LoadKind, Scene, Source, VoxelModulus, read_sc
 
 /// Label of the voids that fill the last coarse cells.
 const PADDING: Label = Label(-1);
+/// Larger forces on a node overflow when they are squared [N].
+const LARGEST_FORCE: f64 = 1e100;
 
 /// A scene with its fine model.
 #[derive(Debug)]
@@ -47,6 +49,7 @@ impl Problem {
         scene.warnings.iter().for_each(|warning| progress.warn(warning));
         let body = build_body(&scene)?;
         body.remarks.iter().for_each(|remark| progress.say(remark));
+        require_degree(&scene, &body.grid)?;
         let grid = padded(&body.grid, scene.coarsening.degree, progress);
         let fixed = held_nodes(&scene, &grid)?;
         let unusable = |error: &dyn std::fmt::Display| Failure::Unusable(format!("{}: {error}", file.display()));
@@ -62,8 +65,15 @@ impl Problem {
     /// A sentence with the parts and what to do.
     pub fn require_support(&self) -> Result<(), Failure> {
         self.scene.require_conditions()?;
-        if self.loads.iter().all(|force| *force == 0.0) {
-            let sentence = "the loads add up to no force at any node, so the body would not move; \
+        if let Some(force) = self.loads.iter().find(|force| !force.is_finite() || force.abs() > LARGEST_FORCE) {
+            let sentence =
+                format!("a node bears a force of {force:.1e} N, which no arithmetic survives; check its unit");
+            return Err(self.scene.unusable("load", sentence).into());
+        }
+        let moves = |node: &usize| !self.fixed[*node] && self.model.active()[*node];
+        let loaded = |node: usize| self.loads[3 * node..3 * node + 3].iter().any(|force| *force != 0.0);
+        if !(0..self.fixed.len()).filter(moves).any(loaded) {
+            let sentence = "the loads are zero wherever the body can move; \
                             expected a load, and a density where it is gravity";
             return Err(self.scene.unusable("load", sentence).into());
         }
@@ -119,6 +129,20 @@ fn files_of(path: PathBuf) -> Vec<PathBuf> {
     files
 }
 
+/// Refuses coarse cells larger than the body, which would be mostly void.
+fn require_degree(scene: &Scene, grid: &VoxelGrid) -> Result<(), Failure> {
+    let largest = grid.lattice.cells.into_iter().max().unwrap_or_default();
+    let degree = scene.coarsening.degree;
+    match degree <= largest {
+        true => Ok(()),
+        false => {
+            let cells = triple_count(grid.lattice.cells);
+            let sentence = format!("is {degree}, larger than the body of {cells} cells; expected at most {largest}");
+            Err(scene.unusable("coarsening.degree", sentence).into())
+        }
+    }
+}
+
 fn padded(grid: &VoxelGrid, degree: usize, progress: &Progress) -> VoxelGrid {
     let padding = pad_to_multiple(grid, degree, PADDING);
     if padding.added != [0; 3] {
@@ -150,8 +174,8 @@ fn loads_of(scene: &Scene, model: &FineModel, load: &Load) -> Result<Vec<f64>, F
     match &load.kind {
         LoadKind::Gravity(acceleration) => Ok(gravity(model, *acceleration)),
         LoadKind::Force(selection, force) => Ok(node_forces(model, &nodes(selection)?.mask, *force)),
-        LoadKind::Traction(selection, pressure) => {
-            let (loads, area) = traction(model, &nodes(selection)?.mask, *pressure);
+        LoadKind::Traction(selection, stress) => {
+            let (loads, area) = traction(model, &nodes(selection)?.mask, *stress);
             match area > 0.0 {
                 true => Ok(loads),
                 false => Err(refuse(

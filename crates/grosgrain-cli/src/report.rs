@@ -54,7 +54,7 @@ pub struct ModelSize {
     pub cells: usize,
     /// Nodes that touch one.
     pub nodes: usize,
-    /// Unknown displacement components.
+    /// Displacement components, three per node, held ones included.
     pub unknowns: usize,
 }
 

@@ -58,13 +58,14 @@ pub fn run(arguments: &Arguments, progress: &Progress) -> Result<(), Failure> {
     let mut written = frames::write(&problem, runs.coarse.as_ref(), runs.fine.as_ref(), folder)?;
     if problem.scene.output.picture {
         progress.say("drawing the picture");
-        written.push(picture::write(&problem, method, (runs.coarse.as_ref(), runs.fine.as_ref()), folder)?);
+        let drawn = picture::write(&problem, method, (runs.coarse.as_ref(), runs.fine.as_ref()), folder);
+        written.extend(keep_or_warn(drawn, progress));
     }
     let shown = runs.coarse.as_ref().map(|run| &run.solution.displacement);
     let shown = shown.or(runs.fine.as_ref().map(|run| &run.solution.displacement));
     if let Some(displacement) = shown.filter(|_| problem.scene.output.volume) {
         progress.say("resampling the deformed volume");
-        written.push(deformed_volume::write(&problem, displacement, folder)?);
+        written.extend(keep_or_warn(deformed_volume::write(&problem, displacement, folder), progress));
     }
     problem.seconds.insert("output".into(), writing.elapsed().as_secs_f64());
     problem.seconds.insert("total".into(), start.elapsed().as_secs_f64());
@@ -75,6 +76,11 @@ pub fn run(arguments: &Arguments, progress: &Progress) -> Result<(), Failure> {
     results::print(&text(&report, &written))?;
     report.error.iter().for_each(|error| warn_of_softness(&report.method, error.energy_ratio, progress));
     Ok(())
+}
+
+/// A picture or volume that cannot be made is a warning: the results that were computed stay.
+fn keep_or_warn(file: Result<PathBuf, Failure>, progress: &Progress) -> Option<PathBuf> {
+    file.inspect_err(|failure| progress.warn(&failure.to_string())).ok()
 }
 
 fn default_folder(scene: &Path) -> PathBuf {

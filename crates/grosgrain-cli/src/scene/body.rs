@@ -6,7 +6,7 @@ use grosgrain::mesh::{DensityLaw, ModulusLaw};
 
 use super::document::{Item, Reading};
 use super::labels::{Labelling, read_labelling};
-use super::pattern::{Filling, Grid, read_grid, read_pattern};
+use super::pattern::{Filling, Grid, read_cells, read_grid, read_pattern};
 use super::section::Section;
 
 /// Where the voxels come from.
@@ -73,8 +73,7 @@ pub fn read_body(item: &Item) -> Reading<Body> {
     let source = read_source(&section);
     let spacing = section
         .optional("spacing", |spacing| spacing.array("three positive numbers in metres per voxel", Item::positive));
-    let resample =
-        section.optional("resample", |cells| cells.array("three integers of at least 1, the fine cells", Item::count));
+    let resample = section.optional("resample", read_cells);
     let is_modulus = matches!(source, Ok(Source::Moduli(_))) || section.has("modulus");
     let labelling = read_labelling(&section, is_modulus);
     let modulus = read_modulus(&section);

@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use grosgrain::mesh::{Label, Pattern, SphereCentres};
 
+use crate::quantities::{count, triple_count};
+
 use super::document::{Item, Reading, read_all};
 use super::section::Section;
 use super::selector::read_label;
@@ -29,11 +31,28 @@ pub enum Filling {
 /// Reads `grid`.
 pub fn read_grid(item: &Item) -> Reading<Grid> {
     let section = item.section(&["cells", "size"])?;
-    let expected = "three integers of at least 1";
-    let cells = section.required("cells", expected, |cells| cells.array(expected, Item::count));
+    let cells = section.required("cells", "three integers of at least 1", read_cells);
     let expected = "three positive numbers in metres";
     let size = section.required("size", expected, |size| size.array(expected, Item::positive));
     Ok(Grid { cells: cells?, size: size? })
+}
+
+/// More cells than this are refused: 24 GB hold about as many of a matrix-free model.
+const LARGEST_GRID: usize = 50_000_000;
+
+/// Reads a number of cells along x, y, z that fits into memory.
+pub fn read_cells(item: &Item) -> Reading<[usize; 3]> {
+    let cells: [usize; 3] = item.array("three integers of at least 1", Item::count)?;
+    let product = cells.iter().try_fold(1usize, |product, n| product.checked_mul(*n));
+    match product.is_some_and(|product| product <= LARGEST_GRID) {
+        true => Ok(cells),
+        false => Err(item.note(format!(
+            "{} asks for {} cells; expected at most {} in all",
+            item.key(),
+            triple_count(cells),
+            count(LARGEST_GRID)
+        ))),
+    }
 }
 
 #[derive(Clone, Copy)]

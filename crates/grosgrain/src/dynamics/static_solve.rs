@@ -24,7 +24,7 @@ pub struct CoarseSolution {
     pub coarse_displacement: Vec<f64>,
     /// The same on the fine nodes, averaged where coarse cells meet \[m\].
     pub displacement: Vec<f64>,
-    /// Elastic energy ½ ūᵀ K̄ ū = ½ f̄ᵀ ū \[J\].
+    /// Work ½ f̄ᵀ ū of the loads: the elastic energy ½ ūᵀ K̄ ū, and the little that a penalty holds where there is one \[J\].
     pub energy: f64,
     /// Number of fixed fine nodes that no fixed coarse node holds and that a penalty holds on average.
     pub held_by_penalty: usize,

@@ -22,6 +22,12 @@ pub enum FineModelError {
         /// The first voxel that has it.
         at: [usize; 3],
     },
+    /// More materials than a cell's 16-bit index tells apart.
+    #[error("there are {count} materials; at most 65534 can be told apart, merge labels of equal material")]
+    TooManyMaterials {
+        /// How many there are.
+        count: usize,
+    },
     /// A per-voxel modulus on a material that is not isotropic.
     #[error(
         "material \"{name}\" is given by a stiffness matrix, which a modulus per voxel cannot scale; give it young and poisson"
@@ -53,6 +59,9 @@ impl FineModel {
     pub fn new(grid: VoxelGrid, table: &MaterialTable) -> Result<Self, FineModelError> {
         grid.validate()?;
         let materials: Vec<(Label, Material)> = table.iter().map(|(label, m)| (label, m.clone())).collect();
+        if materials.len() >= usize::from(VOID) {
+            return Err(FineModelError::TooManyMaterials { count: materials.len() });
+        }
         let element = Hex8::new(grid.spacing);
         let references = materials.iter().map(|(_, m)| element.stiffness(&m.elasticity.tensor())).collect();
         let material_of = materials_of_cells(&grid, &materials)?;

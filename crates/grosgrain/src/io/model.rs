@@ -6,6 +6,8 @@ use std::path::Path;
 
 use ndarray::{Array0, Array1, Array2, ArrayView1, ArrayView2, ArrayView3, ArrayView4, ShapeError, arr0};
 use ndarray_npy::{NpzWriter, WriteNpzError};
+use zip::CompressionMethod;
+use zip::write::SimpleFileOptions;
 
 use super::write_atomically;
 use crate::coarse::CoarseModel;
@@ -65,7 +67,7 @@ fn write_arrays(
     coarse: &CoarseModel,
     training: Option<&Training>,
 ) -> Result<(), ModelWriteError> {
-    let mut archive = NpzWriter::new(writer);
+    let mut archive = NpzWriter::new_with_options(writer, stored());
     let grid = model.grid();
     let [nx, ny, nz] = grid.lattice.cells;
     let labels: Vec<i32> = grid.labels.iter().map(|label| label.0).collect();
@@ -107,6 +109,11 @@ fn write_topology(
     archive.add_array("nodes", &ArrayView2::from_shape((nodes.len(), 3), &positions)?)?;
     archive.add_array("mass", &ArrayView1::from(&mass))?;
     Ok(())
+}
+
+/// Uncompressed entries that may exceed 4 GiB.
+fn stored() -> SimpleFileOptions {
+    SimpleFileOptions::default().compression_method(CompressionMethod::Stored).large_file(true)
 }
 
 fn scalar(value: i64) -> Array0<i64> {

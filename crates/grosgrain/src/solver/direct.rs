@@ -10,6 +10,8 @@ use crate::linalg::{Cholesky, CholeskyError, ConjugateGradientError, SymbolicCho
 const SHIFT: f64 = 1e-9;
 /// A shifted solve is refined until its relative residual is below this.
 const REFINED_RESIDUAL: f64 = 1e-12;
+/// The same for the many small systems of local problems.
+const SMALL_RESIDUAL: f64 = 1e-9;
 const MAX_REFINEMENTS: usize = 60;
 /// Refinement ends when a step leaves more than this share of the residual. A motion of stiffness λ keeps s / (λ + s) of its error
 /// under the shift s, which is close to one for slender soft parts beside stiff ones.
@@ -89,7 +91,7 @@ impl AnalysedLattice {
     }
 }
 
-/// Factor and workspace of one lattice shape; nothing is allocated after construction.
+/// Factor and workspace of one lattice shape, kept between factorisations and solves.
 #[derive(Debug)]
 pub struct DirectSolver {
     analysed: Arc<AnalysedLattice>,
@@ -101,7 +103,8 @@ pub struct DirectSolver {
     loads: Vec<f64>,
     residual: Vec<f64>,
     product: Vec<f64>,
-    measures_residual: bool,
+    /// A solution is refined until its relative residual is below this.
+    target: f64,
 }
 
 impl DirectSolver {
@@ -114,13 +117,13 @@ impl DirectSolver {
         Ok(Self::with_cholesky(analysed, cholesky, columns))
     }
 
-    /// The same for one large system: with threads inside the factorisation, and with refinement by the measured residual.
+    /// The same for one large system: with threads inside the factorisation, and refined further.
     ///
     /// # Errors
     /// When the factor does not fit into memory.
     pub fn for_large(analysed: Arc<AnalysedLattice>, columns: usize) -> Result<Self, SolverError> {
         let cholesky = Cholesky::for_large(analysed.symbolic.clone(), columns)?;
-        Ok(Self { measures_residual: true, ..Self::with_cholesky(analysed, cholesky, columns) })
+        Ok(Self { target: REFINED_RESIDUAL, ..Self::with_cholesky(analysed, cholesky, columns) })
     }
 
     fn with_cholesky(analysed: Arc<AnalysedLattice>, cholesky: Cholesky, columns: usize) -> Self {
@@ -134,7 +137,7 @@ impl DirectSolver {
             loads: vec![0.0; order * columns],
             residual: vec![0.0; order * columns],
             product: vec![0.0; order],
-            measures_residual: false,
+            target: SMALL_RESIDUAL,
             analysed,
         }
     }
@@ -144,39 +147,31 @@ impl DirectSolver {
         &self.analysed
     }
 
-    /// Assembles and factors the stiffness of `cells`.
-    ///
-    /// # Errors
-    /// When the stiffness is not positive definite under this support.
-    pub fn factor(&mut self, cells: &dyn CellStiffness, support: &Support) -> Result<(), SolverError> {
-        let free = Constraints::none(cells.lattice().node_count());
-        let constraints = match support {
-            Support::Constraints(constraints) => constraints,
-            Support::Free => &free,
-        };
-        self.analysed.pattern.assemble_into(cells, constraints, &mut self.values);
-        self.mark_fixed(constraints);
-        self.shift.clear();
-        if *support == Support::Free {
-            self.shift_diagonal();
-        }
-        Ok(self.cholesky.factor(&self.values)?)
-    }
-
-    /// The same with a shift whatever the support, for a stiffness that rounding makes indefinite.
+    /// Assembles and factors the stiffness of `cells`; with the diagonal shift of a free body where the support is
+    /// [`Support::Free`], or where rounding has made a supported stiffness indefinite.
     ///
     /// # Errors
     /// When even the shifted stiffness is not positive definite.
-    pub fn factor_shifted(&mut self, cells: &dyn CellStiffness, support: &Support) -> Result<(), SolverError> {
-        match support {
-            Support::Free => return self.factor(cells, support),
-            Support::Constraints(constraints) => {
-                self.analysed.pattern.assemble_into(cells, constraints, &mut self.values);
-            }
-        }
+    pub fn factor(&mut self, cells: &dyn CellStiffness, support: &Support) -> Result<(), SolverError> {
+        let nodes = cells.lattice().node_count();
         self.shift.clear();
+        match support {
+            Support::Constraints(constraints) => {
+                self.assemble(cells, constraints);
+                match self.cholesky.factor(&self.values) {
+                    Err(CholeskyError::NotPositiveDefinite { .. }) => {}
+                    outcome => return Ok(outcome?),
+                }
+            }
+            Support::Free => self.assemble(cells, &Constraints::none(nodes)),
+        }
         self.shift_diagonal();
         Ok(self.cholesky.factor(&self.values)?)
+    }
+
+    fn assemble(&mut self, cells: &dyn CellStiffness, constraints: &Constraints) {
+        self.analysed.pattern.assemble_into(cells, constraints, &mut self.values);
+        self.mark_fixed(constraints);
     }
 
     fn mark_fixed(&mut self, constraints: &Constraints) {
@@ -198,8 +193,8 @@ impl DirectSolver {
     }
 
     /// Solves K u = f for the columns of `block`, lattice vectors of 3 entries per node one after the other, in
-    /// place. Prescribed components come out as zero. Returns the largest relative residual of the columns, or zero
-    /// where it is not measured (small supported systems).
+    /// place. Prescribed components come out as zero. Returns the largest relative residual of the columns, infinite where
+    /// a load or a solution is not finite.
     ///
     /// # Panics
     /// Panics when `block` holds more columns than were reserved.
@@ -232,13 +227,10 @@ impl DirectSolver {
             for (u, correction) in self.solution.iter_mut().zip(&self.residual[..order * columns]) {
                 *u += correction;
             }
-            if self.shift.is_empty() && !self.measures_residual {
-                return 0.0;
-            }
             let worst = (0..columns).fold(0.0f64, |worst, c| worst.max(self.update_residual(c)));
             let stalled = worst > STALLED * reached;
             reached = reached.min(worst);
-            if worst <= REFINED_RESIDUAL || stalled {
+            if worst <= self.target || stalled {
                 break;
             }
         }
@@ -257,7 +249,8 @@ impl DirectSolver {
             *r = self.loads[range.start + i] - self.product[i] + shift;
         }
         let scale = norm(&self.loads[range.clone()]);
-        if scale == 0.0 { 0.0 } else { norm(residual) / scale }
+        let relative = if scale == 0.0 { 0.0 } else { norm(residual) / scale };
+        if relative.is_finite() && scale.is_finite() { relative } else { f64::INFINITY }
     }
 }
 

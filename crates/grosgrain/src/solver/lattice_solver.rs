@@ -62,6 +62,8 @@ const DIRECT_LIMIT_MANY: usize = 150_000;
 /// Factors larger than this are not tried when conjugate gradients have failed \[B\].
 const FALLBACK_BYTES: usize = 6_000_000_000;
 const MAX_ITERATIONS: usize = 3000;
+/// With more unknowns than this the entries of the pattern (about 42 per unknown) overflow its 32-bit positions.
+const LARGEST_PATTERN: usize = 90_000_000;
 
 impl LatticeSystem<'_> {
     /// Solves for the lattice vectors in `block` (3 entries per node, one vector after the other) in place.
@@ -98,10 +100,15 @@ impl LatticeSystem<'_> {
     ) -> Result<SolveReport, SolverError> {
         let loads = block.to_vec();
         let failure = match self.solve_iterative(active, format!("faster beyond {limit} unknowns"), block, progress) {
-            Err(failure @ SolverError::Iterative(_)) if !failure.is_interruption() => failure,
+            Err(failure @ (SolverError::Iterative(_) | SolverError::Multigrid(_))) if !failure.is_interruption() => {
+                failure
+            }
             outcome => return outcome,
         };
         block.copy_from_slice(&loads);
+        if factor_bytes(active) > FALLBACK_BYTES as f64 {
+            return Err(failure);
+        }
         let analysed = Arc::new(AnalysedLattice::new(LatticePattern::on_nodes(self.cells.lattice(), active))?);
         if 8 * analysed.symbolic().factor_entries() > FALLBACK_BYTES {
             return Err(failure);
@@ -110,6 +117,10 @@ impl LatticeSystem<'_> {
     }
 
     fn solve_direct(&self, active: &[bool], reason: String, block: &mut [f64]) -> Result<SolveReport, SolverError> {
+        let order = 3 * active.iter().filter(|a| **a).count();
+        if order > LARGEST_PATTERN {
+            return Err(CholeskyError::TooLarge { order }.into());
+        }
         let analysed = Arc::new(AnalysedLattice::new(LatticePattern::on_nodes(self.cells.lattice(), active))?);
         self.factor_and_solve(analysed, active, reason, block)
     }
@@ -124,12 +135,7 @@ impl LatticeSystem<'_> {
         let unknowns = analysed.pattern().order();
         let columns = block.len() / (3 * active.len());
         let mut solver = DirectSolver::for_large(analysed, columns)?;
-        match solver.factor(self.cells, &self.support(active)) {
-            Err(SolverError::Cholesky(CholeskyError::NotPositiveDefinite { .. })) => {
-                solver.factor_shifted(self.cells, &self.support(active))?
-            }
-            outcome => outcome?,
-        }
+        solver.factor(self.cells, &self.support(active))?;
         let relative_residual = solver.solve_in_place(block);
         match relative_residual <= TOLERANCE {
             true => Ok(SolveReport { kind: "cholesky", reason, unknowns, iterations: 0, relative_residual }),
@@ -222,4 +228,9 @@ mod tests {
         assert_eq!([1.0, 1e-4, 1e-8, 1e-12].map(|r| percent(0, 1, r)), [0, 50, 100, 100]);
         assert_eq!([percent(0, 4, 10.0), percent(1, 4, 1e-4), percent(3, 4, 1e-8)], [0, 37, 100]);
     }
+}
+
+/// Estimated size of the Cholesky factor \[B\]: 180 n^{4/3} for n unknowns in nested-dissection order.
+fn factor_bytes(active: &[bool]) -> f64 {
+    180.0 * (3.0 * active.iter().filter(|a| **a).count() as f64).powf(4.0 / 3.0)
 }
