@@ -27,7 +27,7 @@ fn every_unusual_run_reaches_its_error() {
             continue;
         }
         let error = json(&folder.path().join("out/report.json"))["error"]["rms_percent"].as_f64().unwrap();
-        let below = case.get("error_below").map_or(f64::INFINITY, |bound| bound.as_float().unwrap());
+        let below = case["error_below"].as_float().unwrap();
         if error > below || error.is_nan() {
             wrong.push(format!("{name}: {error} %, not below {below} %"));
         }
