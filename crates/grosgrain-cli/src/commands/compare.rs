@@ -102,7 +102,7 @@ fn table(rows: &[Row]) -> String {
             count(row.unknowns),
             format!("{:.2} %", row.error_percent),
             number(row.energy_ratio),
-            seconds(row.build_seconds),
+            if row.build_seconds > 0.0 { seconds(row.build_seconds) } else { "–".into() },
             seconds(row.solve_seconds),
         ]
     });
