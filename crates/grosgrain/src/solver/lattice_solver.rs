@@ -219,6 +219,11 @@ fn keep_free(column: &mut [f64], free: &[u8]) {
     }
 }
 
+/// Estimated size of the Cholesky factor \[B\]: 180 n^{4/3} for n unknowns in nested-dissection order.
+fn factor_bytes(active: &[bool]) -> f64 {
+    180.0 * (3.0 * active.iter().filter(|a| **a).count() as f64).powf(4.0 / 3.0)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -228,9 +233,4 @@ mod tests {
         assert_eq!([1.0, 1e-4, 1e-8, 1e-12].map(|r| percent(0, 1, r)), [0, 50, 100, 100]);
         assert_eq!([percent(0, 4, 10.0), percent(1, 4, 1e-4), percent(3, 4, 1e-8)], [0, 37, 100]);
     }
-}
-
-/// Estimated size of the Cholesky factor \[B\]: 180 n^{4/3} for n unknowns in nested-dissection order.
-fn factor_bytes(active: &[bool]) -> f64 {
-    180.0 * (3.0 * active.iter().filter(|a| **a).count() as f64).powf(4.0 / 3.0)
 }

@@ -1,7 +1,7 @@
 //! Harmonic displacements on the one-ring of a coarse cell, or on the cell alone.
 
 use std::collections::HashMap;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use rayon::prelude::*;
@@ -56,21 +56,28 @@ impl LocalTrainer {
         cells: &[CoarseCell],
         progress: Progress<'_>,
     ) -> Result<Training, TrainingError> {
-        let (done, stop) = (AtomicUsize::new(0), AtomicBool::new(false));
-        let matrices: Result<Vec<Vec<f64>>, TrainingError> = cells
+        // Cells after the first failure are skipped, so that the same one is reported whatever the threads do.
+        let (done, failed) = (AtomicUsize::new(0), AtomicUsize::new(usize::MAX));
+        let matrices: Vec<Result<Vec<f64>, TrainingError>> = cells
             .par_iter()
-            .map(|&cell| {
-                if stop.load(Ordering::Relaxed) {
+            .enumerate()
+            .map(|(index, &cell)| {
+                if failed.load(Ordering::Relaxed) < index {
                     return Err(TrainingError::Interrupted);
                 }
-                let matrix = self.train_cell(model, cell).map_err(|source| self.failure(cell, source))?;
+                let matrix = self.train_cell(model, cell).map_err(|source| {
+                    failed.fetch_min(index, Ordering::Relaxed);
+                    self.failure(cell, source)
+                })?;
                 let count = done.fetch_add(1, Ordering::Relaxed) + 1;
                 if !progress("training", count, cells.len()) {
-                    stop.store(true, Ordering::Relaxed);
+                    failed.store(0, Ordering::Relaxed);
+                    return Err(TrainingError::Interrupted);
                 }
                 Ok(matrix)
             })
             .collect();
+        let matrices: Result<Vec<Vec<f64>>, TrainingError> = matrices.into_iter().collect();
         let rows = 3 * self.partition.nodes_per_cell();
         Ok(Training::from_parts(cells.to_vec(), rows, matrices?.concat()))
     }
