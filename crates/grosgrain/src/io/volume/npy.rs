@@ -3,6 +3,7 @@
 //! Own code because `ndarray-npy` must be told the number type beforehand.
 
 use super::geometry::Geometry;
+use super::read_error::excerpt;
 use super::samples::{ByteOrder, SampleLayout, ScalarType};
 use super::write::WriteError;
 use super::{ReadError, VolumeFormat};
@@ -84,7 +85,7 @@ fn value_of<'a>(dictionary: &'a str, key: &'static str) -> Result<&'a str, ReadE
 
 fn scalar(text: &str) -> Result<(ScalarType, ByteOrder), ReadError> {
     let unsupported = |name: &str| ReadError::Unsupported {
-        what: format!("the NumPy type `{}`", name.chars().take(40).collect::<String>()),
+        what: format!("the NumPy type `{}`", excerpt(name)),
         remedy: "convert it to one real number per voxel, e.g. `array.astype('float32')`",
     };
     let quote = text.chars().next().filter(|c| matches!(c, '\'' | '"')).ok_or_else(|| unsupported(text))?;
@@ -153,6 +154,6 @@ fn c_order(stored: &[f64], [nx, ny, nz]: [usize; 3]) -> Vec<f64> {
 }
 
 fn field_error(field: &str, value: &str, expected: &'static str) -> ReadError {
-    let value = value.chars().take(80).collect();
+    let value = excerpt(value);
     ReadError::Field { format: VolumeFormat::Npy, field: field.into(), value, expected }
 }

@@ -190,6 +190,12 @@ impl ReadError {
     }
 }
 
+/// The start of a text from a file, fit to be shown on a terminal: no control characters, at most 80 others.
+pub(super) fn excerpt(text: &str) -> String {
+    let shown = |c: char| if c.is_control() { char::REPLACEMENT_CHARACTER } else { c };
+    text.chars().take(80).map(shown).collect()
+}
+
 fn times(extents: &[u64; 3]) -> String {
     format!("{} × {} × {}", extents[0], extents[1], extents[2])
 }

@@ -1,6 +1,7 @@
 //! Voxel values as bytes: number types, byte order, and the check that the bytes are there.
 
 use super::ReadError;
+use super::read_error::excerpt;
 
 /// The number type of a stored voxel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -142,7 +143,7 @@ impl SampleLayout {
         let expected = self.scalar.name();
         let mut values = Vec::new();
         for (index, word) in text.split_ascii_whitespace().take(self.voxel_count()).enumerate() {
-            let refuse = || ReadError::Text { index, text: word.chars().take(40).collect(), expected };
+            let refuse = || ReadError::Text { index, text: excerpt(word), expected };
             let value: f64 = word.trim_end_matches(',').parse().map_err(|_| refuse())?;
             if !self.scalar.is_float() && value.fract() != 0.0 {
                 return Err(refuse());

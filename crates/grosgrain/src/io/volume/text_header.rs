@@ -1,5 +1,6 @@
 //! Headers that are lines of text: a field's name and its value.
 
+use super::read_error::excerpt;
 use super::{ReadError, VolumeFormat};
 use std::str::FromStr;
 
@@ -48,7 +49,6 @@ impl Fields {
 
     /// A field with an unusable value; long values are cut.
     pub fn error(&self, field: &str, value: &str, expected: &'static str) -> ReadError {
-        let value: String = value.chars().take(80).collect();
-        ReadError::Field { format: self.format, field: field.into(), value: format!("`{value}`"), expected }
+        ReadError::Field { format: self.format, field: field.into(), value: format!("`{}`", excerpt(value)), expected }
     }
 }

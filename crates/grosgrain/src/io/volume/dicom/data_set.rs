@@ -1,6 +1,7 @@
 //! The elements of a DICOM file: tags and values at the top level; sequences are passed over.
 
 use super::super::ReadError;
+use super::super::read_error::excerpt;
 use super::super::samples::ByteOrder;
 use super::error::DicomError;
 
@@ -86,7 +87,7 @@ impl<'a> DataSet<'a> {
             Some(numbers) => Ok(Some(numbers)),
             None => Err(DicomError::Element {
                 element,
-                value: text.chars().take(80).collect(),
+                value: excerpt(text),
                 expected: match N {
                     1 => "a finite decimal number",
                     _ => "finite decimal numbers separated by backslashes, as many as the element has",
@@ -112,7 +113,7 @@ fn encoding(uid: &str) -> Result<(bool, ByteOrder, bool), DicomError> {
         _ if uid.starts_with("1.2.840.10008.1.2.4.20") => "HTJ2K",
         _ => "unknown",
     };
-    Err(DicomError::TransferSyntax { uid: uid.chars().take(64).collect(), name })
+    Err(DicomError::TransferSyntax { uid: excerpt(uid), name })
 }
 
 fn trimmed(value: &[u8]) -> &str {

@@ -1,6 +1,7 @@
 //! One DICOM file: a grey image and its place in the patient.
 
 use super::super::ReadError;
+use super::super::read_error::excerpt;
 use super::super::samples::{self, ByteOrder, ScalarType};
 use super::data_set::{DataSet, Pixels, Tag};
 use super::error::DicomError;
@@ -74,7 +75,7 @@ impl Slice {
         let [intercept] = data.decimals(INTERCEPT, "RescaleIntercept (0028,1052)")?.unwrap_or([0.0]);
         Ok(Some(Self {
             file: file.into(),
-            series: data.text(SERIES_UID).into(),
+            series: excerpt(data.text(SERIES_UID)),
             description: description(&data),
             size,
             position: need_decimals(&data, POSITION, "ImagePositionPatient (0020,0032)")?,
@@ -145,7 +146,7 @@ fn refuse_colour_and_frames(data: &DataSet) -> Result<(), ReadError> {
     match (samples, photometric) {
         (1, "" | "MONOCHROME1" | "MONOCHROME2") => Ok(()),
         _ => Err(ReadError::Unsupported {
-            what: format!("a colour image ({samples} samples per pixel, {photometric})"),
+            what: format!("a colour image ({samples} samples per pixel, {})", excerpt(photometric)),
             remedy: "give the series of grey slices",
         }),
     }
@@ -188,7 +189,7 @@ fn stored_pixels(data: &DataSet, pixels: &Pixels, size: [u32; 2], word: Word) ->
 
 fn description(data: &DataSet) -> String {
     let parts = [data.text(SERIES_NUMBER), data.text(MODALITY), data.text(SERIES_DESCRIPTION)];
-    parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join(" ").chars().take(80).collect()
+    excerpt(&parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join(" "))
 }
 
 fn need(data: &DataSet, tag: Tag, name: &'static str) -> Result<u16, DicomError> {
@@ -200,5 +201,5 @@ fn need_decimals<const N: usize>(data: &DataSet, tag: Tag, name: &'static str) -
 }
 
 fn wrong(element: &'static str, value: impl ToString, expected: &'static str) -> DicomError {
-    DicomError::Element { element, value: value.to_string().chars().take(80).collect(), expected }
+    DicomError::Element { element, value: excerpt(&value.to_string()), expected }
 }

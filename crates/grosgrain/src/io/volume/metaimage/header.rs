@@ -1,6 +1,7 @@
 //! The fields of a MetaImage header that matter for a scalar volume.
 
 use super::super::geometry::{self, Geometry, LPS_TO_RAS, spacing_from_mm};
+use super::super::read_error::excerpt;
 use super::super::samples::{ByteOrder, SampleLayout, ScalarType};
 use super::super::text_header::Fields;
 use super::super::units::mm_per_unit;
@@ -165,7 +166,7 @@ fn scalar(fields: &Fields) -> Result<ScalarType, ReadError> {
         "MET_FLOAT" => Ok(ScalarType::F32),
         "MET_DOUBLE" => Ok(ScalarType::F64),
         _ => Err(ReadError::Unsupported {
-            what: format!("the MetaImage type `{text}`"),
+            what: format!("the MetaImage type `{}`", excerpt(text)),
             remedy: "convert it to one integer or float per voxel, e.g. with SimpleITK's Cast",
         }),
     }
@@ -176,7 +177,7 @@ fn data_file(fields: &Fields) -> Result<DataFile, ReadError> {
     match text {
         "LOCAL" | "Local" | "local" => Ok(DataFile::Local),
         _ if text.starts_with("LIST") || text.contains('%') => Err(ReadError::Unsupported {
-            what: format!("a MetaImage header with several data files (`{text}`)"),
+            what: format!("a MetaImage header with several data files (`{}`)", excerpt(text)),
             remedy: "write it as one .mha file, e.g. with SimpleITK's WriteImage",
         }),
         "" => Err(fields.error("ElementDataFile", text, "LOCAL or a file's name")),

@@ -5,6 +5,7 @@ mod write;
 
 use super::ReadError;
 use super::inflate::inflate;
+use super::read_error::excerpt;
 use super::samples::SampleLayout;
 use crate::mesh::Volume;
 use header::{DataFile, Header};
@@ -21,7 +22,7 @@ pub(super) use write::{write_header, write_local, write_voxels};
 /// bad spacing, NaN.
 pub fn read_metaimage(bytes: &[u8]) -> Result<Volume, ReadError> {
     read(bytes, |name| {
-        let what = format!("a MetaImage header whose voxels stand in `{name}`");
+        let what = format!("a MetaImage header whose voxels stand in `{}`", excerpt(name));
         Err(ReadError::Unsupported { what, remedy: "read it by its path, with that file in place" })
     })
 }

@@ -1,6 +1,7 @@
 //! The fields of an NRRD header that matter for a scalar volume.
 
 use super::super::geometry::{self, Affine, Geometry, LPS_TO_RAS, norm, spacing_from_mm};
+use super::super::read_error::excerpt;
 use super::super::samples::{ByteOrder, SampleLayout, ScalarType};
 use super::super::text_header::Fields;
 use super::super::units::mm_per_unit;
@@ -195,7 +196,7 @@ fn encoding(fields: &Fields) -> Result<Encoding, ReadError> {
         "txt" | "text" | "ascii" => Ok(Encoding::Text),
         "gz" | "gzip" => Ok(Encoding::Gzip),
         _ => Err(ReadError::Unsupported {
-            what: format!("the NRRD encoding `{text}`"),
+            what: format!("the NRRD encoding `{}`", excerpt(text)),
             remedy: "save it again as raw or gzip, e.g. `unu save -f nrrd -e gzip`",
         }),
     }
@@ -221,7 +222,7 @@ fn scalar(fields: &Fields) -> Result<ScalarType, ReadError> {
         "float" => Ok(ScalarType::F32),
         "double" => Ok(ScalarType::F64),
         _ => Err(ReadError::Unsupported {
-            what: format!("the NRRD type `{text}`"),
+            what: format!("the NRRD type `{}`", excerpt(text)),
             remedy: "convert it to one integer or float per voxel, e.g. `unu convert -t float`",
         }),
     }
@@ -244,7 +245,7 @@ fn data_file(fields: &Fields) -> Result<Option<String>, ReadError> {
     match several {
         false => Ok(Some(text.into())),
         true => Err(ReadError::Unsupported {
-            what: format!("an NRRD header with several data files (`{text}`)"),
+            what: format!("an NRRD header with several data files (`{}`)", excerpt(text)),
             remedy: "join them, e.g. `unu save -f nrrd -i name.nhdr -o name.nrrd`",
         }),
     }

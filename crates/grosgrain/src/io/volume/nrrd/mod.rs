@@ -5,6 +5,7 @@ mod write;
 
 use super::ReadError;
 use super::inflate::inflate;
+use super::read_error::excerpt;
 use super::samples::SampleLayout;
 use crate::mesh::Volume;
 use header::{Encoding, Header};
@@ -21,7 +22,7 @@ pub(super) use write::write;
 /// bad spacing, NaN.
 pub fn read_nrrd(bytes: &[u8]) -> Result<Volume, ReadError> {
     read(bytes, |name| {
-        let what = format!("an NRRD header whose voxels stand in `{name}`");
+        let what = format!("an NRRD header whose voxels stand in `{}`", excerpt(name));
         Err(ReadError::Unsupported { what, remedy: "read it by its path, with that file in place" })
     })
 }
