@@ -38,6 +38,9 @@ pub struct Report {
     /// How the fine model's equations were solved; absent where it did not run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fine_solver: Option<Solver>,
+    /// How the harmonic displacements of the whole body were solved; absent where training is local or there is none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub training_solver: Option<Solver>,
     /// What changed during the run.
     pub edits: Vec<Edit>,
     /// The frames that were written.

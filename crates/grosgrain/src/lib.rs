@@ -8,6 +8,23 @@
 //! Conventions: metres, pascals, kilograms, seconds; right-handed axes; grid
 //! indices (i, j, k) along (x, y, z) with **x fastest** everywhere. A displacement
 //! field u moves a point X to X + u.
+//!
+//! Start with `examples/coarsen_beam.rs`. In short:
+//!
+//! ```
+//! use grosgrain::coarse::{BuildOptions, build};
+//! use grosgrain::fine::FineModel;
+//! use grosgrain::material::{Elasticity, IsotropicMaterial, Material, MaterialTable};
+//! use grosgrain::mesh::{Label, VoxelGrid};
+//!
+//! let elasticity = Elasticity::Isotropic(IsotropicMaterial::new(1e5, 0.45)?);
+//! let mut materials = MaterialTable::new();
+//! materials.insert(Label(0), Material { name: "gel".into(), elasticity, density: 1000.0 });
+//! let model = FineModel::new(VoxelGrid::uniform([8, 4, 4], [0.01; 3], Label(0)), &materials)?;
+//! let coarse = build(&model, 2, &BuildOptions::default(), &grosgrain::progress::silent)?.model;
+//! assert_eq!(coarse.cells().len(), 4 * 2 * 2);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 pub mod progress;
 pub mod linalg;

@@ -6,7 +6,7 @@ mod galerkin;
 mod model;
 mod support;
 
-pub use build::{BuildError, BuildOptions, BuildReport, Built, Method, build};
+pub use build::{BuildError, BuildOptions, BuildReport, Built, Method, build, occupied_cells};
 pub use embedding::Embedding;
 pub use galerkin::galerkin_stiffness;
 pub use model::CoarseModel;
