@@ -330,3 +330,17 @@ fn a_scene_without_conditions_can_be_read_but_not_run() {
     assert!(message.contains("the body hangs on nothing; expected at least one table [[fix]]"), "{message}");
     assert!(message.contains("expected at least one table [[load]]"), "{message}");
 }
+
+#[test]
+fn keys_of_dynamic_runs_are_checked_and_told_to_have_no_effect_in_a_static_one() {
+    let text = format!(
+        "[body]\nvolume = \"labels.npy\"\nspacing = [0.01, 0.01, 0.01]\nvoid = [0]\n\
+         [materials.a]\nlabel = 1\nyoung = 1e5\npoisson = 0.3\ndensity = 1000.0\n\
+         [materials.b]\nlabel = 2\nyoung = 1e6\npoisson = 0.3\ndensity = 1000.0\n\
+         [time]\nmode = \"static\"\nstep = 0.01\nsteps = 200\nintegrator = \"midpoint\"\ndamping = 0.0\n{CONDITIONS}"
+    );
+    let (scene, _) = read(&text);
+    let told = ["step", "steps", "integrator", "damping"];
+    let expected = told.map(|key| format!("time.{key} has no effect in a static run"));
+    assert_eq!(scene.warnings, expected);
+}

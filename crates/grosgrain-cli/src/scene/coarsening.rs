@@ -55,24 +55,28 @@ fn read_training(item: &Item) -> Reading<TrainingKind> {
     item.choice(&choices)
 }
 
-/// Reads `[time]`: only static runs exist in this version.
-pub fn read_time(item: &Item) -> Reading<()> {
+/// Reads `[time]`: only static runs exist in this version. Returns a warning for each key that has no effect in one.
+pub fn read_time(item: &Item) -> Reading<Vec<String>> {
     let section = item.section(&["mode", "step", "steps", "integrator", "damping"])?;
-    section.optional("mode", |mode| match mode.says("dynamic") {
+    let mode = section.optional("mode", |mode| match mode.says("dynamic") {
         true => Err(not_yet(mode, "\"static\"")),
         false => mode.choice(&[("static", ())]),
-    })?;
-    let names = ["step", "steps", "integrator", "damping"];
-    let notes: Vec<Reading<()>> =
-        names.iter().map(|name| section.optional(name, belongs_to_dynamic).map(drop)).collect();
-    notes.into_iter().collect()
+    });
+    let integrators = [("implicit-euler", ()), ("midpoint", ())];
+    let unused = [
+        section.optional("step", |step| step.positive().map(|_| without_effect(step))),
+        section.optional("steps", |steps| steps.count().map(|_| without_effect(steps))),
+        section.optional("integrator", |i| i.choice(&integrators).map(|()| without_effect(i))),
+        section
+            .optional("damping", |d| d.number_where("a number of at least 0", |v| v >= 0.0).map(|_| without_effect(d))),
+    ];
+    mode?;
+    let warnings: Reading<Vec<Option<String>>> = unused.into_iter().collect();
+    Ok(warnings?.into_iter().flatten().collect())
 }
 
-fn belongs_to_dynamic(item: &Item) -> Reading<()> {
-    Err(item.note(format!(
-        "{} belongs to a dynamic run, which this version cannot do; leave it out for a static one",
-        item.key()
-    )))
+fn without_effect(item: &Item) -> String {
+    format!("{} has no effect in a static run", item.key())
 }
 
 fn not_yet(item: &Item, instead: &str) -> Noted {

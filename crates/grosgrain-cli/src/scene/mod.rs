@@ -100,7 +100,7 @@ fn read_root<'s>(document: &'s Document<'s>, table: &'s toml::Spanned<DeTable<'s
     let loads = root.optional("load", conditions::read_loads);
     let output = root.optional("output", output::read_output);
     refusals?;
-    time?;
+    let time = time?;
     let title = title?.map_or_else(|| stem(file), String::from);
     let mut scene = Scene {
         file: file.to_path_buf(),
@@ -116,6 +116,7 @@ fn read_root<'s>(document: &'s Document<'s>, table: &'s toml::Spanned<DeTable<'s
     };
     consistency::check(&root, &scene)?;
     scene.warnings = consistency::warnings(&scene);
+    scene.warnings.extend(time.unwrap_or_default());
     Ok(scene)
 }
 

@@ -1,6 +1,6 @@
 //! NIfTI-1 and NIfTI-2, one file or a header with its image, plain or gzip, either byte order.
 //!
-//! Own code because the `nifti` crate knows only version 1 and allocates what the header claims.
+//! Own code because the `nifti` crate 0.18 knows only version 1, and every size here is checked before it is allocated.
 
 mod header;
 mod write;
