@@ -6,7 +6,7 @@ pub fn direct(unknowns: usize) -> f64 {
     180.0 * (unknowns as f64).powf(4.0 / 3.0)
 }
 
-/// Memory of matrix-free conjugate gradients with multigrid [B]: 150 per unknown, all vectors and coarser lattices
+/// Memory of matrix-free conjugate gradients with multigrid \[B\]: 150 per unknown, all vectors and coarser lattices
 /// included; 143 were measured at 6.4 million unknowns.
 pub fn iterative(unknowns: usize) -> f64 {
     150.0 * unknowns as f64

@@ -18,7 +18,7 @@ use crate::scene::{Filling, Load, LoadKind, Scene, Source, VoxelModulus, read_sc
 
 /// Label of the voids that fill the last coarse cells.
 const PADDING: Label = Label(-1);
-/// Larger forces on a node overflow when they are squared [N].
+/// Larger forces on a node overflow when they are squared \[N\].
 const LARGEST_FORCE: f64 = 1e100;
 
 /// A scene with its fine model.

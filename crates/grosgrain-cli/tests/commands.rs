@@ -117,14 +117,6 @@ fn inspect_counts_cells_and_unknowns_of_a_scene() {
 }
 
 #[test]
-fn results_do_not_depend_on_the_number_of_threads() {
-    let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("beam.toml"), SCENE).unwrap();
-    let told = |threads| stdout(&grosgrain(folder.path(), &["--threads", threads, "inspect", "beam.toml"]));
-    assert_eq!(told("1"), told("3"));
-}
-
-#[test]
 fn converting_there_and_back_keeps_every_figure() {
     let folder = tempfile::tempdir().unwrap();
     let figures = |file: &str| {

@@ -40,9 +40,9 @@ pub(super) struct Slice {
     pub position: [f64; 3],
     /// Directions of growing column index and of growing row index, unit vectors.
     pub orientation: [[f64; 3]; 2],
-    /// Distance of columns and of rows [mm].
+    /// Distance of columns and of rows \[mm\].
     pub spacing: [f64; 2],
-    /// Distance of slices as the file has it [mm].
+    /// Distance of slices as the file has it \[mm\].
     pub distance: Option<f64>,
     pixels: Vec<u8>,
     word: Word,
