@@ -27,8 +27,9 @@ pub fn write(problem: &Problem, displacement: &[f64], folder: &Path) -> Result<P
 fn deformed(problem: &Problem, displacement: &[f64]) -> Option<Volume> {
     let grid = problem.model.grid();
     let warped = warp(grid, displacement)?;
+    let background = void_value(&problem.model);
     let value = |cell: Option<Cell>| {
-        cell.map_or(void_value(&problem.model), |c| match &grid.young {
+        cell.map_or(background, |c| match &grid.young {
             Some(young) => young[c.0],
             None => f64::from(grid.labels[c.0].0),
         })
