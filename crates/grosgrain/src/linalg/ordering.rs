@@ -27,12 +27,8 @@ fn dissect(nodes: [usize; 3], low: [usize; 3], high: [usize; 3], order: &mut Vec
     };
     dissect(nodes, low, with(high, plane), order);
     dissect(nodes, with(low, plane + 1), high, order);
-    dissect_plane(nodes, with(low, plane), with(high, plane + 1), order);
-}
-
-/// A separator becomes one dense front; its own order is free.
-fn dissect_plane(nodes: [usize; 3], low: [usize; 3], high: [usize; 3], order: &mut Vec<u32>) {
-    list(nodes, low, high, order);
+    // A separator becomes one dense front; its own order is free.
+    list(nodes, with(low, plane), with(high, plane + 1), order);
 }
 
 fn list(nodes: [usize; 3], low: [usize; 3], high: [usize; 3], order: &mut Vec<u32>) {

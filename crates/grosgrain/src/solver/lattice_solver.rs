@@ -47,7 +47,7 @@ pub struct SolveReport {
     pub kind: &'static str,
     /// Why this one.
     pub reason: String,
-    /// Number of unknowns.
+    /// Number of unknowns: three per node that touches a solid cell, held ones included.
     pub unknowns: usize,
     /// Iterations of the worst right-hand side; 0 for a direct solve.
     pub iterations: usize,
@@ -173,7 +173,7 @@ impl LatticeSystem<'_> {
         let mut multigrid = Multigrid::new(&operator, self.cells, parameters)?;
         let projector = self.rigid_motions(active);
         let options = ConjugateGradientParameters { tolerance: TOLERANCE, max_iterations: MAX_ITERATIONS };
-        let unknowns = operator.free().iter().map(|bits| bits.count_ones() as usize).sum();
+        let unknowns = 3 * active.iter().filter(|a| **a).count();
         let mut report = SolveReport { kind: "multigrid-pcg", reason, unknowns, iterations: 0, relative_residual: 0.0 };
         let mut solver = ConjugateGradients::new(&operator as &dyn LinearOperator, options);
         if let Some(projector) = &projector {
@@ -197,10 +197,12 @@ impl LatticeSystem<'_> {
     /// The rigid motions of a free body of one part; several parts have no such common kernel and need none removed,
     /// because their loads are in equilibrium.
     fn rigid_motions(&self, active: &[bool]) -> Option<RigidMotions> {
-        let lattice = self.cells.lattice();
-        match (self.hold, free_support(lattice, self.spacing, &self.void(), active)) {
-            (Hold::Equilibrium, Support::Constraints(_)) => RigidMotions::new(lattice, self.spacing, active).ok(),
-            _ => None,
+        if let Hold::Fixed(_) = self.hold {
+            return None;
+        }
+        match self.support(active) {
+            Support::Constraints(_) => RigidMotions::new(self.cells.lattice(), self.spacing, active).ok(),
+            Support::Free => None,
         }
     }
 }
