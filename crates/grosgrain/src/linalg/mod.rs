@@ -4,6 +4,7 @@
 mod cholesky;
 mod conjugate_gradients;
 mod dense_cholesky;
+mod multifrontal;
 mod ordering;
 mod reduction;
 mod sparse_pattern;
@@ -14,6 +15,7 @@ pub use conjugate_gradients::{
     LinearOperator, Monitor, Preconditioner, Projector,
 };
 pub use dense_cholesky::{DenseCholesky, DenseCholeskyError};
+pub use multifrontal::{Eliminated, FrontalPlan, FrontalPlanError, FrontalSolver, box_tree, box_tree_around};
 pub use ordering::nested_dissection;
 pub use reduction::{dot, norm, step, sum_of_blocks};
 pub use sparse_pattern::SparsePattern;

@@ -8,33 +8,45 @@ use crate::mesh::{Components, Lattice, Neighbourhood, Node};
 /// one face-connected part, else [`Support::Free`].
 pub fn free_support(lattice: Lattice, spacing: [f64; 3], void: &[bool], active: &[bool]) -> Support {
     let one_part = void.iter().all(|v| !v) || Components::new(void, &lattice, Neighbourhood::Faces).count() == 1;
-    if one_part { Support::Constraints(six_components(lattice, spacing, active)) } else { Support::Free }
+    if one_part {
+        {
+            let mut constraints = Constraints::none(active.len());
+            for (node, component) in six_components(lattice, spacing, active).into_iter().flatten() {
+                constraints.fix(node.0, component);
+            }
+            Support::Constraints(constraints)
+        }
+    } else {
+        Support::Free
+    }
 }
 
-/// All of a node A, two components of the node B farthest from it, one of the node C farthest from their line.
-fn six_components(lattice: Lattice, spacing: [f64; 3], active: &[bool]) -> Constraints {
+/// Six components that exclude every rigid motion of the marked nodes and nothing else: all of a node A, two of the node B farthest
+/// from it, one of the node C farthest from their line. `None` if all nodes lie on one line.
+pub fn six_components(lattice: Lattice, spacing: [f64; 3], marked: &[bool]) -> Option<[(Node, usize); 6]> {
     let position = |n: usize| -> [f64; 3] {
         let at = lattice.node_position(Node(n));
         std::array::from_fn(|a| at[a] as f64 * spacing[a])
     };
-    let nodes = || (0..active.len()).filter(|&n| active[n]);
+    let nodes = || (0..marked.len()).filter(|&n| marked[n]);
     let farthest = |measure: &dyn Fn([f64; 3]) -> f64| {
         nodes().fold((0, f64::NEG_INFINITY), |best, n| {
             let value = measure(position(n));
             if value > best.1 { (n, value) } else { best }
         })
     };
-    let mut constraints = Constraints::none(active.len());
-    let Some(a) = nodes().next() else { return constraints };
+    let a = nodes().next()?;
     let from_a = |x: [f64; 3]| -> [f64; 3] { std::array::from_fn(|i| x[i] - position(a)[i]) };
     let (b, _) = farthest(&|x| square(from_a(x)));
     let line = from_a(position(b));
     let (c, _) = farthest(&|x| square(cross(line, from_a(x))));
     let turn = cross(line, from_a(position(c)));
-    (0..3).for_each(|r| constraints.fix(a, r));
-    (0..3).filter(|r| *r != largest(line)).for_each(|r| constraints.fix(b, r));
-    constraints.fix(c, largest(turn));
-    constraints
+    if square(turn) <= 1e-18 * square(line).powi(2) {
+        return None;
+    }
+    let [first, second] = [[1, 2], [0, 2], [0, 1]][largest(line)];
+    let of_a = [0, 1, 2].map(|r| (Node(a), r));
+    Some([of_a[0], of_a[1], of_a[2], (Node(b), first), (Node(b), second), (Node(c), largest(turn))])
 }
 
 fn square(v: [f64; 3]) -> f64 {

@@ -7,7 +7,7 @@ pub mod multigrid;
 mod rigid_motions;
 
 pub use direct::{AnalysedLattice, DirectSolver, SolverError, Support};
-pub use free_support::free_support;
+pub use free_support::{free_support, six_components};
 pub use lattice_solver::{Hold, LatticeSystem, SolveReport, SolverChoice};
 pub use multigrid::{Cycle, Multigrid, MultigridError, MultigridParameters};
 pub use rigid_motions::RigidMotions;

@@ -1,6 +1,7 @@
 //! Training data: harmonic displacements on the whole object, on the one-ring of a coarse cell, or on the cell alone.
 
 mod cell_data;
+mod condensed;
 mod global;
 mod local;
 mod rigid;

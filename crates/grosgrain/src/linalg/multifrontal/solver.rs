@@ -1,0 +1,267 @@
+//! Numerical elimination and substitution.
+
+use std::sync::Arc;
+
+use super::front::Elimination;
+use super::plan::{Front, FrontalPlan, TILE};
+
+/// What an elimination found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Eliminated {
+    /// Pivots that vanished or were pinned.
+    pub skipped: usize,
+}
+
+/// Eliminates systems of one shape; buffers are kept from one to the next.
+///
+/// The system is K u = f with K = Σ_e K_e positive semidefinite. Its loads are rows that are eliminated along:
+/// with K = L Lᵀ they become (L⁻¹ f)ᵀ, see [`FrontalSolver::forward`]. Of two loads f and g the product (L⁻¹ f)·(L⁻¹ g) is f·K⁺ g.
+#[derive(Debug)]
+pub struct FrontalSolver {
+    plan: Arc<FrontalPlan>,
+    extra: usize,
+    kept: usize,
+    front: Vec<f64>,
+    panel: Vec<f64>,
+    slots: Vec<Vec<f64>>,
+    factors: Vec<Vec<f64>>,
+    inverse: Vec<f64>,
+    scale: Vec<f64>,
+    forward: Vec<f64>,
+    local: Vec<f64>,
+}
+
+/// Columns of a substitution backwards, one vector register.
+const LANES: usize = 8;
+
+impl FrontalSolver {
+    /// A solver for systems with `extra` loads; the factors of the last `kept_groups` groups are kept for the substitution backwards.
+    pub fn new(plan: Arc<FrontalPlan>, extra: usize, kept_groups: usize) -> Self {
+        let kept = kept_groups.min(plan.fronts.len());
+        let size = |f: &Front| f.stride(extra) * f.padded_columns();
+        let panel = |f: &Front| f.stride(extra) * f.padded;
+        let first_kept = plan.fronts.len() - kept;
+        let order = plan.order();
+        Self {
+            extra,
+            kept,
+            front: vec![0.0; plan.fronts.iter().map(size).max().unwrap_or(0)],
+            panel: vec![0.0; plan.fronts.iter().map(panel).max().unwrap_or(0)],
+            slots: plan.slots.iter().map(|n| vec![0.0; n * (n + extra)]).collect(),
+            factors: plan.fronts[first_kept..].iter().map(|f| vec![0.0; panel(f)]).collect(),
+            inverse: vec![0.0; order],
+            scale: vec![0.0; order],
+            forward: vec![0.0; order * extra],
+            local: Vec::new(),
+            plan,
+        }
+    }
+
+    /// The plan.
+    pub fn plan(&self) -> &Arc<FrontalPlan> {
+        &self.plan
+    }
+
+    /// Eliminates all unknowns. `element(e)` gives a factor and the matrix of element e (row-major, symmetric, nodes in the
+    /// order of the plan), `None` if it is absent; `load(node, values)` writes the loads of a node: `extra` values for each of its unknowns.
+    /// The unknowns at the places `pinned` are skipped whatever their pivot: six determinate ones hold a floating part.
+    ///
+    /// # Panics
+    /// Panics when a matrix is too short or a place does not exist.
+    pub fn eliminate<'m>(
+        &mut self,
+        element: &dyn Fn(usize) -> Option<(f64, &'m [f64])>,
+        load: &mut dyn FnMut(usize, &mut [f64]),
+        pinned: &[usize],
+    ) -> Eliminated {
+        let plan = self.plan.clone();
+        self.measure_diagonal(&plan, element);
+        pinned.iter().for_each(|place| self.scale[*place] = f64::INFINITY);
+        for node in 0..plan.position.len() {
+            let place = plan.place(node);
+            let size = plan.block * self.extra;
+            load(node, &mut self.forward[place * self.extra..][..size]);
+        }
+        let mut skipped = 0;
+        let first_kept = plan.fronts.len() - self.kept;
+        for (f, front) in plan.fronts.iter().enumerate() {
+            self.assemble(&plan, front, element);
+            skipped += self.eliminate_front(front);
+            self.store(front, f.checked_sub(first_kept));
+        }
+        Eliminated { skipped }
+    }
+
+    fn measure_diagonal<'m>(&mut self, plan: &FrontalPlan, element: &dyn Fn(usize) -> Option<(f64, &'m [f64])>) {
+        self.scale.fill(0.0);
+        let b = plan.block;
+        for front in &plan.fronts {
+            for &e in &front.elements {
+                let Some((factor, matrix)) = element(e as usize) else { continue };
+                let rows = &plan.element_rows[e as usize];
+                let size = b * rows.len();
+                for (a, &row) in rows.iter().enumerate() {
+                    for r in 0..b {
+                        let diagonal = factor * matrix[(b * a + r) * (size + 1)];
+                        self.scale[position_of(front, row as usize + r)] += diagonal;
+                    }
+                }
+            }
+        }
+    }
+
+    fn assemble<'m>(&mut self, plan: &FrontalPlan, front: &Front, element: &dyn Fn(usize) -> Option<(f64, &'m [f64])>) {
+        let (stride, extra) = (front.stride(self.extra), self.extra);
+        for c in 0..front.padded_columns() {
+            self.front[stride * c + c / TILE * TILE..stride * (c + 1)].fill(0.0);
+        }
+        let extra_row = front.columns();
+        for c in 0..front.pivots {
+            let loads = &self.forward[(front.first + c) * extra..][..extra];
+            self.front[stride * c + extra_row..][..extra].copy_from_slice(loads);
+        }
+        for &e in &front.elements {
+            let Some((factor, matrix)) = element(e as usize) else { continue };
+            add_element(&mut self.front, stride, &plan.element_rows[e as usize], plan.block, factor, matrix);
+        }
+        for child in &front.children {
+            let from = &plan.fronts[child.front as usize];
+            let height = from.boundary + extra;
+            let source = &self.slots[from.slot];
+            for (index, &(first, target, length)) in child.runs.iter().enumerate() {
+                for c in 0..length as usize {
+                    let column = &source[height * (first as usize + c)..][..height];
+                    let target = &mut self.front[stride * (target as usize + c)..][..stride];
+                    // The part of this run below the diagonal, then the later runs and the extra rows.
+                    let start = child.runs[index].1 as usize + c;
+                    add(&mut target[start..start + length as usize - c], &column[first as usize + c..]);
+                    for &(row, place, length) in &child.runs[index + 1..] {
+                        add(&mut target[place as usize..][..length as usize], &column[row as usize..]);
+                    }
+                    add(&mut target[extra_row..extra_row + extra], &column[from.boundary..]);
+                }
+            }
+        }
+    }
+
+    fn eliminate_front(&mut self, front: &Front) -> usize {
+        let stride = front.stride(self.extra);
+        let mut skipped = 0;
+        self.local.resize(front.padded, 0.0);
+        pulp::Arch::new().dispatch(Elimination {
+            front: &mut self.front,
+            panel: &mut self.panel,
+            stride,
+            pivots: front.pivots,
+            padded: front.padded,
+            padded_columns: front.padded_columns(),
+            scale: &self.scale[front.first..front.first + front.pivots],
+            inverse: &mut self.local,
+            skipped: &mut skipped,
+        });
+        self.inverse[front.first..][..front.pivots].copy_from_slice(&self.local[..front.pivots]);
+        skipped
+    }
+
+    fn store(&mut self, front: &Front, kept: Option<usize>) {
+        let (stride, extra) = (front.stride(self.extra), self.extra);
+        for c in 0..front.pivots {
+            let rows = &self.front[stride * c + front.columns()..][..extra];
+            self.forward[(front.first + c) * extra..][..extra].copy_from_slice(rows);
+        }
+        if let Some(kept) = kept {
+            let factor = &mut self.factors[kept];
+            let size = factor.len();
+            factor.copy_from_slice(&self.front[..size]);
+        }
+        if front.boundary > 0 {
+            let height = front.boundary + extra;
+            let slot = &mut self.slots[front.slot];
+            for c in 0..front.boundary {
+                let column = &self.front[stride * (front.padded + c) + front.padded + c..][..height - c];
+                slot[height * c + c..height * (c + 1)].copy_from_slice(column);
+            }
+        }
+    }
+
+    /// The loads after elimination, L⁻¹ f: `extra` values for each unknown in elimination order ([`FrontalPlan::place`]); zero for skipped pivots.
+    pub fn forward(&self) -> &[f64] {
+        &self.forward
+    }
+
+    /// Solves Lᵀ u = y backwards through the kept groups, in place: eight columns per unknown in elimination order, of which only the
+    /// unknowns of the kept groups are read and written. At a skipped pivot y is the value that the unknown takes.
+    ///
+    /// # Panics
+    /// Panics when `y` does not hold eight values per unknown.
+    pub fn substitute_back(&self, y: &mut [[f64; LANES]]) {
+        let plan = &self.plan;
+        assert_eq!(y.len(), plan.order(), "eight values per unknown");
+        let first_kept = plan.fronts.len() - self.kept;
+        let mut boundary = Vec::new();
+        for (front, factor) in plan.fronts[first_kept..].iter().zip(&self.factors).rev() {
+            let stride = front.stride(self.extra);
+            boundary.clear();
+            boundary.extend(front.rows.iter().map(|row| y[*row as usize]));
+            let pivots = &mut y[front.first..][..front.pivots];
+            for c in (0..front.pivots).rev() {
+                let inverse = self.inverse[front.first + c];
+                if inverse == 0.0 {
+                    continue;
+                }
+                let column = &factor[stride * c..][..front.columns()];
+                let mut sum = weighted(&column[c + 1..front.pivots], &pivots[c + 1..]);
+                let rest = weighted(&column[front.padded..], &boundary);
+                for (k, s) in sum.iter_mut().enumerate() {
+                    *s = (pivots[c][k] - *s - rest[k]) * inverse;
+                }
+                pivots[c] = sum;
+            }
+        }
+    }
+}
+
+/// Σ_i factor_i row_i.
+fn weighted(factors: &[f64], rows: &[[f64; LANES]]) -> [f64; LANES] {
+    struct Sum<'a>(&'a [f64], &'a [[f64; LANES]]);
+    impl pulp::WithSimd for Sum<'_> {
+        type Output = [f64; LANES];
+        #[inline(always)]
+        fn with_simd<S: pulp::Simd>(self, _: S) -> [f64; LANES] {
+            let mut sums = [[0.0; LANES]; 4];
+            for (factors, rows) in self.0.chunks(4).zip(self.1.chunks(4)) {
+                for ((factor, row), sum) in factors.iter().zip(rows).zip(&mut sums) {
+                    (0..LANES).for_each(|k| sum[k] = factor.mul_add(row[k], sum[k]));
+                }
+            }
+            std::array::from_fn(|k| sums[0][k] + sums[1][k] + (sums[2][k] + sums[3][k]))
+        }
+    }
+    pulp::Arch::new().dispatch(Sum(factors, rows))
+}
+
+/// Elimination position of a row of a front.
+fn position_of(front: &Front, row: usize) -> usize {
+    if row < front.padded { front.first + row } else { front.rows[row - front.padded] as usize }
+}
+
+fn add_element(front: &mut [f64], stride: usize, rows: &[u32], block: usize, factor: f64, matrix: &[f64]) {
+    let size = block * rows.len();
+    for (a, &column) in rows.iter().enumerate() {
+        for (b, &row) in rows.iter().enumerate() {
+            if row < column {
+                continue;
+            }
+            for c in 0..block {
+                let from = &matrix[(block * a + c) * size + block * b..][..block];
+                let to = &mut front[stride * (column as usize + c) + row as usize..][..block];
+                to.iter_mut().zip(from).for_each(|(t, k)| *t += factor * k);
+            }
+        }
+    }
+}
+
+#[inline]
+fn add(target: &mut [f64], source: &[f64]) {
+    target.iter_mut().zip(source).for_each(|(t, s)| *t += s);
+}
