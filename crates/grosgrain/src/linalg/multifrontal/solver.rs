@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::front::Elimination;
-use super::plan::{Front, FrontalPlan, TILE};
+use super::plan::{Child, Front, FrontalPlan, TILE};
 
 /// What an elimination found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -115,32 +115,23 @@ impl FrontalSolver {
         for c in 0..front.padded_columns() {
             self.front[stride * c + c / TILE * TILE..stride * (c + 1)].fill(0.0);
         }
-        let extra_row = front.columns();
         for c in 0..front.pivots {
             let loads = &self.forward[(front.first + c) * extra..][..extra];
-            self.front[stride * c + extra_row..][..extra].copy_from_slice(loads);
+            self.front[stride * c + front.columns()..][..extra].copy_from_slice(loads);
         }
         for &e in &front.elements {
             let Some((factor, matrix)) = element(e as usize) else { continue };
-            add_element(&mut self.front, stride, &plan.element_rows[e as usize], plan.block, factor, matrix);
+            let rows = &plan.element_rows[e as usize];
+            match plan.block {
+                3 => add_element::<3>(&mut self.front, stride, rows, factor, matrix),
+                block => add_element_of(&mut self.front, (stride, block), rows, factor, matrix),
+            }
         }
         for child in &front.children {
             let from = &plan.fronts[child.front as usize];
-            let height = from.boundary + extra;
-            let source = &self.slots[from.slot];
-            for (index, &(first, target, length)) in child.runs.iter().enumerate() {
-                for c in 0..length as usize {
-                    let column = &source[height * (first as usize + c)..][..height];
-                    let target = &mut self.front[stride * (target as usize + c)..][..stride];
-                    // The part of this run below the diagonal, then the later runs and the extra rows.
-                    let start = child.runs[index].1 as usize + c;
-                    add(&mut target[start..start + length as usize - c], &column[first as usize + c..]);
-                    for &(row, place, length) in &child.runs[index + 1..] {
-                        add(&mut target[place as usize..][..length as usize], &column[row as usize..]);
-                    }
-                    add(&mut target[extra_row..extra_row + extra], &column[from.boundary..]);
-                }
-            }
+            let shape = (stride, front.columns(), from.boundary, extra);
+            let (target, source) = (&mut self.front, &self.slots[from.slot]);
+            pulp::Arch::new().dispatch(|| add_contribution(target, source, child, shape));
         }
     }
 
@@ -245,23 +236,58 @@ fn position_of(front: &Front, row: usize) -> usize {
     if row < front.padded { front.first + row } else { front.rows[row - front.padded] as usize }
 }
 
-fn add_element(front: &mut [f64], stride: usize, rows: &[u32], block: usize, factor: f64, matrix: &[f64]) {
-    let size = block * rows.len();
+fn add_element<const B: usize>(front: &mut [f64], stride: usize, rows: &[u32], factor: f64, matrix: &[f64]) {
+    let size = B * rows.len();
     for (a, &column) in rows.iter().enumerate() {
-        for (b, &row) in rows.iter().enumerate() {
-            if row < column {
-                continue;
-            }
-            for c in 0..block {
-                let from = &matrix[(block * a + c) * size + block * b..][..block];
-                let to = &mut front[stride * (column as usize + c) + row as usize..][..block];
-                to.iter_mut().zip(from).for_each(|(t, k)| *t += factor * k);
+        for c in 0..B {
+            let (from, _) = matrix[(B * a + c) * size..][..size].as_chunks::<B>();
+            let to = &mut front[stride * (column as usize + c)..][..stride];
+            for (&row, from) in rows.iter().zip(from).filter(|(row, _)| **row >= column) {
+                to[row as usize..][..B].iter_mut().zip(from).for_each(|(t, k)| *t += factor * k);
             }
         }
     }
 }
 
-#[inline]
+fn add_element_of(front: &mut [f64], (stride, block): (usize, usize), rows: &[u32], factor: f64, matrix: &[f64]) {
+    let size = block * rows.len();
+    for (a, &column) in rows.iter().enumerate() {
+        for c in 0..block {
+            let from = matrix[(block * a + c) * size..][..size].chunks_exact(block);
+            let to = &mut front[stride * (column as usize + c)..][..stride];
+            for (&row, from) in rows.iter().zip(from).filter(|(row, _)| **row >= column) {
+                to[row as usize..][..block].iter_mut().zip(from).for_each(|(t, k)| *t += factor * k);
+            }
+        }
+    }
+}
+
+/// Adds the lower triangle and the extra rows of a contribution, run by run.
+#[inline(always)]
+fn add_contribution(
+    front: &mut [f64],
+    source: &[f64],
+    child: &Child,
+    (stride, extra_row, boundary, extra): (usize, usize, usize, usize),
+) {
+    let height = boundary + extra;
+    for (index, &(first, place, length)) in child.runs.iter().enumerate() {
+        let (first, place, length) = (first as usize, place as usize, length as usize);
+        for c in 0..length {
+            let column = &source[height * (first + c)..][..height];
+            let target = &mut front[stride * (place + c)..][..stride];
+            // The part of this run below the diagonal, then the later runs and the extra rows.
+            add(&mut target[place + c..place + length], &column[first + c..first + length]);
+            for &(row, place, length) in &child.runs[index + 1..] {
+                let (row, place, length) = (row as usize, place as usize, length as usize);
+                add(&mut target[place..place + length], &column[row..row + length]);
+            }
+            add(&mut target[extra_row..extra_row + extra], &column[boundary..]);
+        }
+    }
+}
+
+#[inline(always)]
 fn add(target: &mut [f64], source: &[f64]) {
     target.iter_mut().zip(source).for_each(|(t, s)| *t += s);
 }

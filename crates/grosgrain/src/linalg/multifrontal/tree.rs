@@ -1,7 +1,7 @@
 //! Which nodes of a box are eliminated together.
 
 /// Boxes of at most this many nodes become one front.
-const LEAF: usize = 12;
+const LEAF: usize = 18;
 
 /// Nested dissection of a box of `nodes` along x, y, z, as groups of nodes (indices x fastest) in the order of their elimination:
 /// every group becomes one dense front, a separator after the two halves that it parts.
