@@ -39,4 +39,5 @@ pub mod training;
 pub mod coarsening;
 pub mod coarse;
 pub mod dynamics;
+pub mod update;
 pub mod io;

@@ -1,9 +1,20 @@
-//! How the body is coarsened, and what kind of run is made: `[coarsening]` and `[time]`.
+//! How the body is coarsened: `[coarsening]`.
 
 use grosgrain::coarsening::{BaseKind, Objective};
 use grosgrain::training::TrainingKind;
 
 use super::document::{Item, Noted, Reading};
+
+/// Where training data come from, as the scene says it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Training {
+    /// A kind that the library trains.
+    Kind(TrainingKind),
+    /// One ring, each cell reduced to its interface with its neighbours.
+    Substructured,
+    /// The kind that serves the scene best.
+    Auto,
+}
 
 /// The `[coarsening]` table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -11,7 +22,7 @@ pub struct Coarsening {
     /// Fine cells along an edge of a coarse cell.
     pub degree: usize,
     /// Where the training data come from.
-    pub training: TrainingKind,
+    pub training: Training,
     /// The base of the shape functions.
     pub base: BaseKind,
     /// How the shape functions are found.
@@ -37,46 +48,21 @@ pub fn read_coarsening(item: &Item) -> Reading<Coarsening> {
     fields?;
     Ok(Coarsening {
         degree: degree?,
-        training: training?.unwrap_or(TrainingKind::OneRing),
+        training: training?.unwrap_or(Training::Kind(TrainingKind::OneRing)),
         base: base?.unwrap_or(BaseKind::Harmonic),
         objective: objective?.unwrap_or(Objective::ClosedForm),
     })
 }
 
-fn read_training(item: &Item) -> Reading<TrainingKind> {
-    if item.says("substructured") || item.says("auto") {
-        return Err(not_yet(item, "\"one-ring\", \"global\" or \"single-cell\""));
-    }
+fn read_training(item: &Item) -> Reading<Training> {
     let choices = [
-        ("one-ring", TrainingKind::OneRing),
-        ("global", TrainingKind::Global),
-        ("single-cell", TrainingKind::SingleCell),
+        ("one-ring", Training::Kind(TrainingKind::OneRing)),
+        ("global", Training::Kind(TrainingKind::Global)),
+        ("single-cell", Training::Kind(TrainingKind::SingleCell)),
+        ("substructured", Training::Substructured),
+        ("auto", Training::Auto),
     ];
     item.choice(&choices)
-}
-
-/// Reads `[time]`: only static runs exist in this version. Returns a warning for each key that has no effect in one.
-pub fn read_time(item: &Item) -> Reading<Vec<String>> {
-    let section = item.section(&["mode", "step", "steps", "integrator", "damping"])?;
-    let mode = section.optional("mode", |mode| match mode.says("dynamic") {
-        true => Err(not_yet(mode, "\"static\"")),
-        false => mode.choice(&[("static", ())]),
-    });
-    let integrators = [("implicit-euler", ()), ("midpoint", ())];
-    let unused = [
-        section.optional("step", |step| step.positive().map(|_| without_effect(step))),
-        section.optional("steps", |steps| steps.count().map(|_| without_effect(steps))),
-        section.optional("integrator", |i| i.choice(&integrators).map(|()| without_effect(i))),
-        section
-            .optional("damping", |d| d.number_where("a number of at least 0", |v| v >= 0.0).map(|_| without_effect(d))),
-    ];
-    mode?;
-    let warnings: Reading<Vec<Option<String>>> = unused.into_iter().collect();
-    Ok(warnings?.into_iter().flatten().collect())
-}
-
-fn without_effect(item: &Item) -> String {
-    format!("{} has no effect in a static run", item.key())
 }
 
 fn not_yet(item: &Item, instead: &str) -> Noted {

@@ -187,6 +187,11 @@ impl<'s> Item<'s> {
         self.value.get_ref().is_table()
     }
 
+    /// Whether the value is a list.
+    pub fn is_list(&self) -> bool {
+        self.value.get_ref().is_array()
+    }
+
     /// A text.
     pub fn text(&self) -> Reading<&'s str> {
         self.value.get_ref().as_str().ok_or_else(|| self.refuse("a text in quotes"))

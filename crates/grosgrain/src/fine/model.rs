@@ -5,7 +5,8 @@ use crate::element::{CellMatrix, Hex8};
 use crate::material::{Elasticity, Material, MaterialTable};
 use crate::mesh::{Cell, Label, Lattice, Node, VoxelGrid, VoxelGridError};
 
-const VOID: u16 = u16::MAX;
+/// The index of the material of voids.
+pub(super) const VOID: u16 = u16::MAX;
 
 /// Why a body and its materials do not make a model.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -40,15 +41,18 @@ pub enum FineModelError {
 
 /// A voxel body with its materials: stiffness and mass of every fine cell.
 ///
-/// Cells of one material share a reference stiffness; a modulus per voxel scales it.
+/// Cells of one material share a reference stiffness; a modulus per voxel scales it. Single cells can be
+/// [changed](Self::change); the model keeps all materials of its table for that.
 #[derive(Clone, Debug)]
 pub struct FineModel {
-    grid: VoxelGrid,
-    materials: Vec<(Label, Material)>,
+    pub(super) grid: VoxelGrid,
+    pub(super) materials: Vec<(Label, Material)>,
     references: Vec<CellMatrix>,
-    material_of: Vec<u16>,
-    factors: Vec<f64>,
-    active: Vec<bool>,
+    pub(super) material_of: Vec<u16>,
+    pub(super) factors: Vec<f64>,
+    pub(super) active: Vec<bool>,
+    /// Number of cells that are not void.
+    pub(super) solid: usize,
 }
 
 impl FineModel {
@@ -66,7 +70,8 @@ impl FineModel {
         let references = materials.iter().map(|(_, m)| element.stiffness(&m.elasticity.tensor())).collect();
         let material_of = materials_of_cells(&grid, &materials)?;
         let factors = stiffness_factors(&grid, &materials, &material_of)?;
-        let mut model = Self { grid, materials, references, material_of, factors, active: Vec::new() };
+        let solid = grid.solid_count();
+        let mut model = Self { grid, materials, references, material_of, factors, active: Vec::new(), solid };
         model.active = active_nodes(&model);
         Ok(model)
     }
@@ -101,7 +106,7 @@ impl FineModel {
         let Some((_, material)) = self.materials.get(usize::from(self.material_of[cell.0])) else { return 0.0 };
         match &material.elasticity {
             Elasticity::Isotropic(m) => m.young() * self.factors[cell.0],
-            Elasticity::Anisotropic(tensor) => tensor.young_along_x(),
+            Elasticity::Anisotropic(_) => own_young(material),
         }
     }
 
@@ -160,8 +165,25 @@ fn stiffness_factors(
     let Some(young) = &grid.young else { return Ok(vec![1.0; material_of.len()]) };
     let factor = |cell: usize| match materials.get(usize::from(material_of[cell])).map(|(_, m)| m) {
         None => Ok(0.0),
-        Some(Material { elasticity: Elasticity::Isotropic(material), .. }) => Ok(young[cell] / material.young()),
-        Some(Material { name, .. }) => Err(FineModelError::AnisotropicModulus { name: name.clone() }),
+        Some(material) => factor_of(material, young[cell])
+            .ok_or_else(|| FineModelError::AnisotropicModulus { name: material.name.clone() }),
     };
     (0..material_of.len()).map(factor).collect()
+}
+
+/// Young's modulus of a material \[Pa\]; for an anisotropic one 1 / S₁₁ of its compliance S.
+pub(super) fn own_young(material: &Material) -> f64 {
+    match &material.elasticity {
+        Elasticity::Isotropic(m) => m.young(),
+        Elasticity::Anisotropic(tensor) => tensor.young_along_x(),
+    }
+}
+
+/// By what the reference stiffness of a material is scaled for a modulus; `None` if it cannot be scaled. An anisotropic material
+/// takes its own modulus only, so that cells of it can stand in a body with moduli per voxel.
+pub(super) fn factor_of(material: &Material, young: f64) -> Option<f64> {
+    match &material.elasticity {
+        Elasticity::Isotropic(m) => Some(young / m.young()),
+        Elasticity::Anisotropic(_) => (young == own_young(material)).then_some(1.0),
+    }
 }

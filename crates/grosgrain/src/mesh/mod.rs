@@ -1,6 +1,8 @@
 //! Voxel lattices and the bodies on them: what turns a volume or a pattern into a body, and what picks its parts.
 
+mod brush;
 mod components;
+mod cut;
 mod exact_rank;
 mod hull;
 mod labelling;
@@ -19,7 +21,9 @@ mod volume;
 mod voxel_grid;
 mod warp;
 
+pub use brush::Brush;
 pub use components::{Components, Removed, keep_largest, remove_floating};
+pub use cut::{Blade, Cut};
 pub use hull::hull;
 pub use labelling::{LabelRule, LabellingError, label_by_integers, label_by_rules};
 pub use lattice::{Cell, Lattice, Node};

@@ -1,6 +1,10 @@
 //! Picking nodes and cells of a body by where they are.
 
-use super::{Cell, Label, Node, VoxelGrid};
+use super::{Blade, Brush, Cell, Cut, Label, VoxelGrid, cut};
+
+mod membership;
+
+use membership::Of;
 
 /// One of the three axes of the body frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,6 +60,12 @@ pub enum Selector {
     },
     /// Solid cells of a label; nodes that touch one.
     Label(Label),
+    /// Cells that a plane takes away; nodes that touch one.
+    Cut(Cut),
+    /// Cells that a swept blade cuts; nodes that touch one.
+    Blade(Blade),
+    /// What a ball sweeps over on its path.
+    Brush(Brush),
     /// What the selector does not pick.
     Not(Box<Selector>),
     /// What all selectors pick.
@@ -107,6 +117,24 @@ pub enum SelectionError {
         /// Radius.
         radius: f64,
     },
+    /// A cut that has no plane.
+    #[error(
+        "the cut through {:?} along the normal {:?} must have finite coordinates, a normal that is not zero and a positive radius if any",
+        _0.point, _0.normal
+    )]
+    Cut(Cut),
+    /// A blade that sweeps no area.
+    #[error(
+        "the blade with the edge from {:?} to {:?} swept along {:?} spans no area; edge and sweep must be finite, not zero and not parallel",
+        _0.edge[0], _0.edge[1], _0.sweep
+    )]
+    Blade(Blade),
+    /// A brush that reaches nothing.
+    #[error(
+        "the brush of radius {} m along {} points must have a positive radius and a path of at least one point with finite coordinates",
+        _0.radius, _0.path.len()
+    )]
+    Brush(Brush),
     /// A plane that is nowhere.
     #[error("the plane's coordinate {0} must be finite")]
     Plane(f64),
@@ -119,7 +147,7 @@ impl Selector {
     /// A selector that makes no sense (see [`validate`](Self::validate)) or that picks no node touching a solid cell.
     pub fn nodes(&self, grid: &VoxelGrid) -> Result<NodeSelection, SelectionError> {
         self.validate()?;
-        let mask = self.mask(grid, Of::Nodes);
+        let mask = self.mask_of(grid, Of::Nodes);
         let active = grid.active_nodes().iter().zip(&mask).filter(|(a, m)| **a && **m).count();
         if active > 0 {
             return Ok(NodeSelection { mask, active });
@@ -128,12 +156,59 @@ impl Selector {
         Err(SelectionError::Empty { low, high })
     }
 
-    /// The cells whose centres are inside the selector, one entry per cell, void or not; for planes and labels see there.
+    /// The cells whose centres are inside the selector, one entry per cell, void or not; for planes, labels, cuts and blades see
+    /// there.
     pub fn cells(&self, grid: &VoxelGrid) -> Vec<bool> {
-        self.mask(grid, Of::Cells)
+        self.mask_of(grid, Of::Cells)
     }
 
-    /// Refuses boxes with swapped corners, radii that are not positive, coordinates that are not finite.
+    /// Fills `picked` with the cells that [`cells`](Self::cells) marks, ascending; for a small region at the price of the region, see
+    /// [`pick_cells_of`](Self::pick_cells_of).
+    pub fn pick_cells(&self, grid: &VoxelGrid, picked: &mut Vec<Cell>) {
+        self.pick_cells_of(grid, &|cell| (!grid.void[cell.0]).then(|| grid.labels[cell.0]), picked);
+    }
+
+    /// Whether geometry alone decides what is inside: no label, no plane at the body's end.
+    pub fn is_geometric(&self) -> bool {
+        match self {
+            Self::Label(_) | Self::Plane { at: PlaneAt::Min | PlaneAt::Max, .. } => false,
+            Self::Not(part) => part.is_geometric(),
+            Self::And(parts) | Self::Or(parts) => parts.iter().all(Self::is_geometric),
+            _ => true,
+        }
+    }
+
+    /// The selector moved by a vector \[m\]; labels, everything, and planes at the body's ends stay what they are.
+    pub fn moved(&self, by: [f64; 3]) -> Self {
+        let plus = |x: [f64; 3]| cut::plus(x, by);
+        let all = |parts: &[Self]| parts.iter().map(|part| part.moved(by)).collect();
+        match self {
+            Self::All | Self::Label(_) | Self::Plane { at: PlaneAt::Min | PlaneAt::Max, .. } => self.clone(),
+            Self::Plane { axis, at: PlaneAt::Coordinate(x) } => {
+                Self::Plane { axis: *axis, at: PlaneAt::Coordinate(x + by[*axis as usize]) }
+            }
+            Self::Box { low, high } => Self::Box { low: plus(*low), high: plus(*high) },
+            Self::Sphere { centre, radius } => Self::Sphere { centre: plus(*centre), radius: *radius },
+            Self::Cut(cut) => Self::Cut(Cut { point: plus(cut.point), ..cut.clone() }),
+            Self::Blade(blade) => Self::Blade(Blade { edge: blade.edge.map(plus), sweep: blade.sweep }),
+            Self::Brush(brush) => {
+                Self::Brush(Brush { path: brush.path.iter().map(|x| plus(*x)).collect(), radius: brush.radius })
+            }
+            Self::Not(part) => Self::Not(Box::new(part.moved(by))),
+            Self::And(parts) => Self::And(all(parts)),
+            Self::Or(parts) => Self::Or(all(parts)),
+        }
+    }
+
+    /// What any of the blades of a path cuts: an edge swept along one vector after the other.
+    ///
+    /// The two sides of each blade share no node; where two blades meet at an angle, an edge or a node may stay common.
+    pub fn blade_path(edge: [[f64; 3]; 2], sweeps: &[[f64; 3]]) -> Self {
+        Self::Or(Blade::path(edge, sweeps).into_iter().map(Self::Blade).collect())
+    }
+
+    /// Refuses boxes with swapped corners, radii that are not positive, coordinates that are not finite, cuts without a normal,
+    /// blades without an area, brushes without a path.
     ///
     /// Boxes may be unbounded.
     ///
@@ -152,102 +227,14 @@ impl Selector {
                 let good = centre.iter().all(|x| x.is_finite()) && radius.is_finite() && *radius > 0.0;
                 if good { Ok(()) } else { Err(SelectionError::Sphere { centre: *centre, radius: *radius }) }
             }
+            Self::Cut(cut) if !cut.is_usable() => Err(SelectionError::Cut(cut.clone())),
+            Self::Blade(blade) if !blade.is_usable() => Err(SelectionError::Blade(blade.clone())),
+            Self::Brush(brush) if !brush.is_usable() => Err(SelectionError::Brush(brush.clone())),
+            Self::Cut(_) | Self::Blade(_) | Self::Brush(_) => Ok(()),
             Self::Not(part) => part.validate(),
             Self::And(parts) | Self::Or(parts) => parts.iter().try_for_each(Self::validate),
         }
     }
-
-    fn mask(&self, grid: &VoxelGrid, of: Of) -> Vec<bool> {
-        match self {
-            Self::All => vec![true; of.count(grid)],
-            Self::Plane { axis, at } => plane(grid, of, *axis as usize, *at),
-            Self::Box { low, high } => {
-                let slack = tolerance(grid);
-                of.filter(grid, |x| (0..3).all(|a| x[a] >= low[a] - slack && x[a] <= high[a] + slack))
-            }
-            Self::Sphere { centre, radius } => {
-                let reach = radius + tolerance(grid);
-                let square = |x: [f64; 3]| (0..3).map(|a| (x[a] - centre[a]).powi(2)).sum::<f64>();
-                of.filter(grid, |x| square(x) <= reach * reach)
-            }
-            Self::Label(label) => labelled(grid, of, *label),
-            Self::Not(part) => part.mask(grid, of).into_iter().map(|m| !m).collect(),
-            Self::And(parts) => {
-                combine(parts.iter().map(|p| p.mask(grid, of)), vec![true; of.count(grid)], |a, b| a & b)
-            }
-            Self::Or(parts) => {
-                combine(parts.iter().map(|p| p.mask(grid, of)), vec![false; of.count(grid)], |a, b| a | b)
-            }
-        }
-    }
-}
-
-/// What a mask is of.
-#[derive(Clone, Copy)]
-enum Of {
-    Nodes,
-    Cells,
-}
-
-impl Of {
-    fn count(self, grid: &VoxelGrid) -> usize {
-        match self {
-            Self::Nodes => grid.lattice.node_count(),
-            Self::Cells => grid.lattice.cell_count(),
-        }
-    }
-
-    fn lattice_position(self, grid: &VoxelGrid, index: usize) -> [usize; 3] {
-        match self {
-            Self::Nodes => grid.lattice.node_position(Node(index)),
-            Self::Cells => grid.lattice.cell_position(Cell(index)),
-        }
-    }
-
-    /// The nodes whose position, or the cells whose centre, passes `keep`.
-    fn filter(self, grid: &VoxelGrid, keep: impl Fn([f64; 3]) -> bool) -> Vec<bool> {
-        let place = |index| match self {
-            Self::Nodes => grid.position(self.lattice_position(grid, index)),
-            Self::Cells => grid.centre(self.lattice_position(grid, index)),
-        };
-        (0..self.count(grid)).map(|index| keep(place(index))).collect()
-    }
-}
-
-/// 1e-9 of the grid's largest extent \[m\].
-fn tolerance(grid: &VoxelGrid) -> f64 {
-    (0..3).map(|a| grid.spacing[a] * grid.lattice.cells[a] as f64).fold(0.0, f64::max) * 1e-9
-}
-
-fn combine(masks: impl Iterator<Item = Vec<bool>>, start: Vec<bool>, join: fn(bool, bool) -> bool) -> Vec<bool> {
-    masks.fold(start, |left, right| left.into_iter().zip(right).map(|(l, r)| join(l, r)).collect())
-}
-
-fn labelled(grid: &VoxelGrid, of: Of, label: Label) -> Vec<bool> {
-    let cells: Vec<bool> = grid.labels.iter().zip(&grid.void).map(|(l, void)| *l == label && !void).collect();
-    match of {
-        Of::Cells => cells,
-        Of::Nodes => (0..of.count(grid)).map(|n| grid.lattice.cells_at(Node(n)).any(|c| cells[c.0])).collect(),
-    }
-}
-
-/// Which layers along `axis` a plane picks. Positions are in cells from the grid's origin, so h = 1.
-fn plane(grid: &VoxelGrid, of: Of, axis: usize, at: PlaneAt) -> Vec<bool> {
-    let Some([low, high]) = grid.body_box() else { return vec![false; of.count(grid)] };
-    let (low, high) = (low[axis] as f64, high[axis] as f64);
-    let coordinate = |x: f64| (x - grid.origin[axis]) / grid.spacing[axis];
-    let picks = |layer: usize| {
-        let i = layer as f64;
-        match (of, at) {
-            (Of::Nodes, PlaneAt::Min) => (i - low).abs() <= 1e-6,
-            (Of::Nodes, PlaneAt::Max) => (i - high).abs() <= 1e-6,
-            (Of::Nodes, PlaneAt::Coordinate(x)) => (i - coordinate(x)).abs() <= 0.5 + 1e-9,
-            (Of::Cells, PlaneAt::Min) => (i - low).abs() <= 1e-6,
-            (Of::Cells, PlaneAt::Max) => (i + 1.0 - high).abs() <= 1e-6,
-            (Of::Cells, PlaneAt::Coordinate(x)) => (i + 0.5 - coordinate(x)).abs() <= 0.5 + 1e-6,
-        }
-    };
-    (0..of.count(grid)).map(|index| picks(of.lattice_position(grid, index)[axis])).collect()
 }
 
 #[cfg(test)]

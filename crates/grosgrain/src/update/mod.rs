@@ -1,0 +1,13 @@
+//! Local updates: edits of the body while it is simulated, their undoing, and the parts that they cut loose.
+
+mod apply;
+mod batch;
+mod edit;
+mod history;
+mod loose;
+
+pub use apply::{Applied, Editor};
+pub use batch::{Batch, resolve_all};
+pub use edit::{BatchError, Change, Edit, EditError, Region, Resolved};
+pub use history::History;
+pub use loose::{LooseParts, LooseReport, LooseSearch};
