@@ -101,7 +101,7 @@ pub fn time_chart(title: &str, rows: &[Row], methods: &[&'static str], path: &Pa
 
 /// Writes a chart over the degree with a logarithmic vertical axis.
 fn write_chart(title: String, quantity: &str, series: Vec<Series>, path: &Path) -> Result<PathBuf, Failure> {
-    let x = Axis { label: "coarsening degree d".into(), logarithmic: false };
-    let y = Axis { label: quantity.into(), logarithmic: true };
+    let x = Axis { label: "coarsening degree d".into(), whole: true, ..Axis::default() };
+    let y = Axis { label: quantity.into(), logarithmic: true, ..Axis::default() };
     save(Chart { title, x, y, series, ..Chart::default() }.render(), path)
 }

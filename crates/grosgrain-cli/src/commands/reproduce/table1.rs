@@ -30,8 +30,8 @@ pub fn run(study: &Study) -> Result<Findings, Failure> {
         let case_entries = case(study, pattern, degree)?;
         let grid = pattern.beam(degree)?;
         for entry in &case_entries {
-            let changed = entry.setting.changed_cells(&grid, degree)?.len();
-            rows.push(error_row(study, entry, changed));
+            let updated = entry.setting.changed_cells(&grid, degree)?.len();
+            rows.push(error_row(study, entry, updated));
         }
         entries.extend(case_entries);
     }
@@ -67,7 +67,7 @@ fn case(study: &Study, pattern: Heterogeneity, degree: usize) -> Result<Vec<Entr
     Ok(entries)
 }
 
-fn error_row(study: &Study, entry: &Entry, changed: usize) -> Row {
+fn error_row(study: &Study, entry: &Entry, updated: usize) -> Row {
     let availability = match entry.percent {
         None => "; this version does not have the training yet",
         Some(_) if !entry.trainer.has_history() => "; the training has no history, so all settings are the same run",
@@ -79,7 +79,8 @@ fn error_row(study: &Study, entry: &Entry, changed: usize) -> Row {
         setting: Some(entry.setting.name()),
         method: Some(entry.trainer.name()),
         measured: entry.percent,
-        note: Some(format!("{LOST}; {changed} coarse cells updated{availability}")),
+        updated_cells: Some(updated),
+        note: Some(format!("{LOST}{availability}")),
         ..Row::new(study, NAME, "error", "%")
     }
 }
