@@ -2,11 +2,13 @@
 
 pub mod arguments;
 pub mod body;
+pub mod body_surface;
 pub mod commands;
 pub mod deformed_volume;
 pub mod failure;
 pub mod frames;
 pub mod interruption;
+pub mod machine;
 pub mod memory;
 pub mod method;
 pub mod outcome;
@@ -18,3 +20,4 @@ pub mod quantities;
 pub mod report;
 pub mod results;
 pub mod scene;
+pub mod timing;

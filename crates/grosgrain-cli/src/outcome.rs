@@ -140,7 +140,8 @@ pub fn solver_of(report: &SolveReport) -> Solver {
     }
 }
 
-fn failed(error: &dyn std::fmt::Display) -> Failure {
+/// The end of a run in which something failed: the user's interruption where there was one.
+pub fn failed(error: &dyn std::fmt::Display) -> Failure {
     match is_interrupted() {
         true => Failure::Interrupted,
         false => Failure::Failed(error.to_string()),

@@ -1,13 +1,13 @@
 //! The picture of a run: the deformed body, fine and coarse side by side.
 
-use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use grosgrain::coarse::CoarseModel;
 use grosgrain::io::write_atomically;
-use grosgrain::mesh::{BoundaryFace, Node, boundary_faces};
-use grosgrain_picture::{Category, ColourMap, ColourScale, Colouring, Figure, Lines, Panel, PictureError, QuadSurface};
+use grosgrain::mesh::Node;
+use grosgrain_picture::{Category, ColourMap, ColourScale, Colouring, Figure, Image, Lines, Panel, PictureError};
 
+use crate::body_surface::BodySurface;
 use crate::failure::Failure;
 use crate::method::Method;
 use crate::outcome::{CoarseRun, FineRun};
@@ -28,11 +28,18 @@ pub fn write(
     (coarse, fine): (Option<&CoarseRun>, Option<&FineRun>),
     folder: &Path,
 ) -> Result<PathBuf, Failure> {
-    let path = folder.join("picture.png");
+    save(figure(problem, method, coarse, fine).render(), &folder.join("picture.png"))
+}
+
+/// Writes a picture that was drawn as PNG, whole or not at all; returns its path.
+///
+/// # Errors
+/// A picture that could not be drawn or cannot be written.
+pub fn save(image: Result<Image, PictureError>, path: &Path) -> Result<PathBuf, Failure> {
     let failed = |error: PictureError| Failure::Failed(format!("{}: {error}", path.display()));
-    let image = figure(problem, method, coarse, fine).render().map_err(failed)?;
-    write_atomically(&path, |writer| image.write_png(writer)).map_err(failed)?;
-    Ok(path)
+    let image = image.map_err(failed)?;
+    write_atomically(path, |writer| image.write_png(writer)).map_err(failed)?;
+    Ok(path.into())
 }
 
 fn figure(problem: &Problem, method: Method, coarse: Option<&CoarseRun>, fine: Option<&FineRun>) -> Figure {
@@ -75,9 +82,7 @@ fn coarse_detail(run: &CoarseRun, fine: Option<&FineRun>) -> String {
 /// The body's surface and how displacements are drawn on it.
 struct Drawing<'a> {
     problem: &'a Problem,
-    faces: Vec<BoundaryFace>,
-    nodes: Vec<Node>,
-    row_of: HashMap<Node, u32>,
+    surface: BodySurface<'a>,
     scale: f64,
 }
 
@@ -91,16 +96,9 @@ impl<'a> Drawing<'a> {
         if hidden.iter().all(|h| *h) {
             hidden.clone_from(&grid.void);
         }
-        let faces = boundary_faces(&hidden, &grid.lattice);
-        let (mut nodes, mut row_of) = (Vec::new(), HashMap::new());
-        for node in faces.iter().flat_map(|face| face.corners) {
-            row_of.entry(node).or_insert_with(|| {
-                nodes.push(node);
-                nodes.len() as u32 - 1
-            });
-        }
+        let surface = BodySurface::new(grid, &hidden);
         let scale = scale_of(problem, displacement);
-        Self { problem, faces, nodes, row_of, scale }
+        Self { problem, surface, scale }
     }
 
     fn position(&self, u: &[f64], node: Node) -> [f64; 3] {
@@ -109,9 +107,7 @@ impl<'a> Drawing<'a> {
     }
 
     fn panel(&self, u: &[f64]) -> Panel {
-        let positions = self.nodes.iter().map(|node| self.position(u, *node)).collect();
-        let quads = self.faces.iter().map(|face| face.corners.map(|node| self.row_of[&node])).collect();
-        Panel { surface: QuadSurface { positions, quads }, ghost: self.box_edges(), ..Panel::default() }
+        Panel { ghost: self.box_edges(), ..self.surface.panel(|node| self.position(u, node)) }
     }
 
     /// A colour per material, or Young's modulus where it is given voxel by voxel.
@@ -120,7 +116,7 @@ impl<'a> Drawing<'a> {
         if grid.young.is_some() {
             return self.moduli();
         }
-        let mut labels: Vec<i32> = self.faces.iter().map(|face| grid.labels[face.cell.0].0).collect();
+        let mut labels: Vec<i32> = self.surface.faces.iter().map(|face| grid.labels[face.cell.0].0).collect();
         let of_face = labels.clone();
         labels.sort_unstable();
         labels.dedup();
@@ -134,11 +130,11 @@ impl<'a> Drawing<'a> {
 
     /// log₁₀ of Young's modulus, averaged over the faces at a node.
     fn moduli(&self) -> Colouring {
-        let (mut sum, mut faces) = (vec![0.0; self.nodes.len()], vec![0.0; self.nodes.len()]);
-        for face in &self.faces {
+        let (mut sum, mut faces) = (vec![0.0; self.surface.nodes.len()], vec![0.0; self.surface.nodes.len()]);
+        for face in &self.surface.faces {
             let young = self.problem.model.young(face.cell).log10();
             for node in face.corners {
-                let row = self.row_of[&node] as usize;
+                let row = self.surface.vertex(node);
                 (sum[row], faces[row]) = (sum[row] + young, faces[row] + 1.0);
             }
         }
@@ -153,7 +149,7 @@ impl<'a> Drawing<'a> {
             let square: f64 = (0..3).map(|r| (u[3 * node.0 + r] - exact[3 * node.0 + r]).powi(2)).sum();
             100.0 * square.sqrt() / largest
         };
-        let at_vertex = self.nodes.iter().map(error).collect();
+        let at_vertex = self.surface.nodes.iter().map(error).collect();
         let label = "|u coarse − u fine| [% of max |u fine|]".into();
         Colouring::Scalar {
             at_vertex,
@@ -163,22 +159,7 @@ impl<'a> Drawing<'a> {
 
     /// Edges of surface faces that lie on faces of coarse cells.
     fn coarse_grid(&self, coarse: &CoarseModel, u: &[f64]) -> Lines {
-        let degree = coarse.partition().degree();
-        let lattice = self.problem.model.grid().lattice;
-        let mut edges: Vec<[Node; 2]> = Vec::new();
-        for corners in self.faces.iter().map(|face| face.corners) {
-            for (a, b) in (0..4).map(|i| (corners[i], corners[(i + 1) % 4])) {
-                let (p, q) = (lattice.node_position(a), lattice.node_position(b));
-                let normal_axes =
-                    (0..3).filter(|&axis| corners.iter().any(|n| lattice.node_position(*n)[axis] != p[axis]));
-                if normal_axes.clone().any(|axis| p[axis] == q[axis] && p[axis] % degree == 0) {
-                    edges.push([a.min(b), a.max(b)]);
-                }
-            }
-        }
-        edges.sort_unstable();
-        edges.dedup();
-        edges.iter().map(|edge| edge.map(|node| self.position(u, node))).collect()
+        self.surface.coarse_grid(coarse.partition().degree(), |node| self.position(u, node))
     }
 
     /// The twelve edges of the body's undeformed box.

@@ -119,8 +119,8 @@ pub fn convergence() -> Chart {
     }
     Chart {
         title: "Interpolation error over unknowns".into(),
-        x: Axis { label: "unknowns".into(), logarithmic: true },
-        y: Axis { label: "error on the surface [% of max |u|]".into(), logarithmic: true },
+        x: Axis { label: "unknowns".into(), logarithmic: true, whole: false },
+        y: Axis { label: "error on the surface [% of max |u|]".into(), logarithmic: true, whole: false },
         series: vec![
             Series { name: "largest".into(), points: worst },
             Series { name: "root mean square".into(), points: mean },

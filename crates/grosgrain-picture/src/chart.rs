@@ -36,6 +36,9 @@ pub struct Axis {
     pub label: String,
     /// Logarithmic: all coordinates must then be positive.
     pub logarithmic: bool,
+    /// A tick at every whole number between the outermost coordinates and no others, as for a count of a few values; not with
+    /// `logarithmic`.
+    pub whole: bool,
 }
 
 /// A curve.
@@ -57,6 +60,9 @@ const CURVES: [Rgb; 7] = [
     [0xaa, 0x33, 0x77],
     [0x77, 0x77, 0x77],
 ];
+
+/// More whole numbers than this have no room for their labels.
+const MOST_WHOLE: f64 = 15.0;
 
 impl Chart {
     /// Draws the chart.
@@ -192,6 +198,10 @@ impl Scale {
             let (low, high) = widen(low.log10(), high.log10());
             let (low, high) = (10f64.powf(low - 0.05 * (high - low)), 10f64.powf(high + 0.05 * (high - low)));
             return Self { low, high, logarithmic: true, ticks: logarithmic_ticks(low, high) };
+        }
+        if axis.whole && high - low <= MOST_WHOLE {
+            let (low, high) = (low.floor(), high.ceil());
+            return Self { low: low - 0.25, high: high + 0.25, logarithmic: false, ticks: Ticks::whole(low, high) };
         }
         let low = if low > 0.0 && low < 0.5 * high { 0.0 } else { low };
         let (low, high) = nice_range(low, high, 7);

@@ -28,6 +28,13 @@ impl Ticks {
         Self { values, labels, exponent }
     }
 
+    /// The whole numbers within `[low, high]`.
+    pub fn whole(low: f64, high: f64) -> Self {
+        let values: Vec<f64> = (low.ceil() as i64..=high.floor() as i64).map(|i| i as f64).collect();
+        let labels = values.iter().map(|value| fixed(*value, 0)).collect();
+        Self { values, labels, exponent: 0 }
+    }
+
     /// Powers of ten within `[low, high]`, both positive; every n-th where there are more than `most`,
     /// with 2 and 5 times a power between where there are few.
     pub fn logarithmic(low: f64, high: f64, most: usize) -> Self {
@@ -141,6 +148,14 @@ fn superscript(number: i32) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn whole_ticks_are_the_whole_numbers_in_the_range() {
+        let ticks = Ticks::whole(1.5, 4.0);
+        assert_eq!((ticks.values, ticks.exponent), (vec![2.0, 3.0, 4.0], 0));
+        assert_eq!(ticks.labels, ["2", "3", "4"]);
+        assert_eq!(Ticks::whole(2.0, 2.0).values, [2.0]);
+    }
 
     #[test]
     fn ticks_are_nice_numbers_inside_the_range() {

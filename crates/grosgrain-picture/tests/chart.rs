@@ -3,7 +3,7 @@
 use grosgrain_picture::{Axis, Chart, PictureError, Series};
 
 fn chart(points: Vec<[f64; 2]>, logarithmic: bool) -> Chart {
-    let axis = |label: &str| Axis { label: label.into(), logarithmic };
+    let axis = |label: &str| Axis { label: label.into(), logarithmic, whole: false };
     let series = vec![Series { name: "one-ring".into(), points }];
     Chart { title: "Error".into(), x: axis("unknowns"), y: axis("error [%]"), series, width: 800 }
 }
@@ -25,6 +25,21 @@ fn a_power_law_is_a_straight_line_on_logarithmic_axes() -> Result<(), PictureErr
         assert!((y - line).abs() < 4.0, "column {x}: {y} off the line {line}");
     }
     assert!(heights.len() > 500);
+    Ok(())
+}
+
+#[test]
+fn a_chart_over_whole_numbers_has_a_line_at_each_and_nowhere_else() -> Result<(), PictureError> {
+    let mut chart = chart((2..=5).map(|i| [f64::from(i), 1.0]).collect(), false);
+    chart.x.whole = true;
+    let image = chart.render()?;
+    // On a row with neither curve nor horizontal rule only the vertical rules, thinner than a pixel, tint the white paper.
+    let row = image.height() / 2 + 60;
+    let is_rule = |x: usize| image.pixel(x, row) != Some([0xff; 3]);
+    let starts: Vec<usize> = (80..image.width() - 40).filter(|x| is_rule(*x) && !is_rule(x - 1)).collect();
+    assert_eq!(starts.len(), 4, "{starts:?}");
+    let steps: Vec<usize> = starts.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    assert!(steps.iter().all(|step| step.abs_diff(steps[0]) <= 1), "{starts:?}");
     Ok(())
 }
 

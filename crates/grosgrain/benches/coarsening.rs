@@ -2,14 +2,12 @@
 
 #[path = "cases/mod.rs"]
 mod cases;
-#[path = "baselines/per_node.rs"]
-mod per_node;
 #[path = "baselines/simplicial.rs"]
 mod simplicial;
 
 use cases::Outcome;
 use cases::fitting::FitCase;
-use per_node::Systems;
+use grosgrain::coarsening::Systems;
 
 fn main() -> Outcome<()> {
     let mut criterion = cases::criterion();

@@ -2,8 +2,6 @@
 
 #[path = "cases/mod.rs"]
 mod cases;
-#[path = "baselines/per_node.rs"]
-mod per_node;
 #[path = "baselines/simplicial.rs"]
 mod simplicial;
 

@@ -2,15 +2,13 @@
 
 #[path = "../benches/cases/mod.rs"]
 mod cases;
-#[path = "../benches/baselines/per_node.rs"]
-mod per_node;
 #[path = "../benches/baselines/simplicial.rs"]
 mod simplicial;
 
 use cases::fitting::FitCase;
 use cases::harmonic::HarmonicCase;
+use grosgrain::coarsening::Systems;
 use grosgrain::training::RingKind;
-use per_node::Systems;
 
 /// Forming B Bᵀ squares the condition of the data, about 10² here: 10⁴ roundings of 10⁻¹⁶ leave room below 10⁻⁸.
 #[test]

@@ -4,6 +4,7 @@ mod coarsen;
 mod compare;
 mod convert;
 mod inspect;
+mod reproduce;
 mod simulate;
 
 use clap::Subcommand;
@@ -22,6 +23,8 @@ pub enum Command {
     Simulate(simulate::Arguments),
     /// Runs the fine model and coarse methods on the same scene and tables their errors
     Compare(compare::Arguments),
+    /// Runs a table or figure of the papers again and prints it next to the published figures
+    Reproduce(reproduce::Arguments),
     /// Converts a volume from one format to another
     Convert(convert::Arguments),
 }
@@ -37,6 +40,7 @@ impl Command {
             Self::Coarsen(arguments) => coarsen::run(arguments, progress),
             Self::Simulate(arguments) => simulate::run(arguments, progress),
             Self::Compare(arguments) => compare::run(arguments, progress),
+            Self::Reproduce(arguments) => reproduce::run(arguments, progress),
             Self::Convert(arguments) => convert::run(arguments, progress),
         }
     }

@@ -2,6 +2,7 @@
 #![cfg(unix)]
 
 use std::io::{BufRead, BufReader, Read};
+use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
@@ -10,23 +11,20 @@ use super::program::{SMALL, changed, names};
 /// Far longer than a run takes to notice, far shorter than the run itself would take.
 const PATIENCE: Duration = Duration::from_secs(15);
 
-#[test]
-fn an_interrupted_run_says_so_and_leaves_no_file() {
-    let folder = tempfile::tempdir().unwrap();
-    let larger = ["cells = [16, 4, 4]", "cells = [192, 48, 48]"];
-    std::fs::write(folder.path().join("scene.toml"), changed(SMALL, [larger, ["degree = 2", "degree = 4"]])).unwrap();
+/// Starts the program, sends Ctrl-C half a second after the line that starts with `line`, and requires that it ends soon and says why.
+fn interrupt(folder: &Path, arguments: &[&str], line: &str) {
     let mut run = Command::new(env!("CARGO_BIN_EXE_grosgrain"))
-        .current_dir(folder.path())
-        .args(["simulate", "scene.toml", "-o", "out/results"])
+        .current_dir(folder)
+        .args(arguments)
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()
         .unwrap();
     let mut stderr = BufReader::new(run.stderr.take().unwrap());
-    let mut line = String::new();
-    while !line.starts_with("building the coarse model") {
-        line.clear();
-        assert!(stderr.read_line(&mut line).unwrap() > 0, "the run ended by itself");
+    let mut read = String::new();
+    while !read.starts_with(line) {
+        read.clear();
+        assert!(stderr.read_line(&mut read).unwrap() > 0, "the run ended by itself");
     }
     std::thread::sleep(Duration::from_millis(500));
     let start = Instant::now();
@@ -37,5 +35,21 @@ fn an_interrupted_run_says_so_and_leaves_no_file() {
     assert_eq!(run.wait().unwrap().code(), Some(1), "{said}");
     assert!(start.elapsed() < PATIENCE, "it took {:?} to stop", start.elapsed());
     assert_eq!(said.lines().last(), Some("interrupted; no half-written file is left"), "{said}");
+}
+
+#[test]
+fn an_interrupted_run_says_so_and_leaves_no_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let larger = ["cells = [16, 4, 4]", "cells = [192, 48, 48]"];
+    std::fs::write(folder.path().join("scene.toml"), changed(SMALL, [larger, ["degree = 2", "degree = 4"]])).unwrap();
+    interrupt(folder.path(), &["simulate", "scene.toml", "-o", "out/results"], "building the coarse model");
     assert_eq!(names(folder.path()), ["scene.toml"]);
+}
+
+#[test]
+fn an_interrupted_reproduction_says_so_and_leaves_no_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = ["reproduce", "table1", "--degrees", "6", "-o", "out", "--json", "rows/table1.json"];
+    interrupt(folder.path(), &arguments, "oblique, d = 6: fine model");
+    assert!(names(folder.path()).is_empty());
 }

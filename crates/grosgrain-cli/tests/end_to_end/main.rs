@@ -6,5 +6,7 @@ mod models;
 mod program;
 mod readme;
 mod refused_runs;
+mod reproduce;
+mod reproduce_arguments;
 mod scenes;
 mod tables;

@@ -69,8 +69,8 @@ fn the_readme_starts_with_the_two_commands_and_the_first_one_works() {
 }
 
 #[test]
-fn every_command_of_readme_and_tutorial_can_be_run_in_its_order() {
-    for file in ["README.md", "docs/tutorial.md"] {
+fn every_command_of_readme_tutorial_and_reproduction_can_be_run_in_its_order() {
+    for file in ["README.md", "docs/tutorial.md", "docs/reproduction.md"] {
         let text = text(file);
         let lines: Vec<&str> = blocks(&text, "sh").into_iter().flat_map(str::lines).collect();
         let saved = text.split("Save this as `").skip(1).filter_map(|rest| rest.split('`').next()).map(String::from);
@@ -90,7 +90,7 @@ fn the_scene_of_the_tutorial_is_one() {
 
 #[test]
 fn every_example_of_the_help_texts_names_files_that_exist() {
-    for command in ["", "inspect", "coarsen", "simulate", "compare", "convert"] {
+    for command in ["", "inspect", "coarsen", "simulate", "compare", "reproduce", "convert"] {
         let arguments: Vec<&str> = command.split_whitespace().chain(["--help"]).collect();
         let help = grosgrain(Path::new("."), &arguments).done().stdout;
         let examples: Vec<&str> = help.split("Examples:\n").nth(1).unwrap().lines().collect();

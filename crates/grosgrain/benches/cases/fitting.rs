@@ -2,12 +2,11 @@
 
 use std::sync::Arc;
 
-use grosgrain::coarsening::{BaseFunctions, COLUMNS, CoupledError, FIELDS, Fitter, fit_coupled};
+use grosgrain::coarsening::{BaseFunctions, COLUMNS, CoupledError, FIELDS, Fitter, PerNode, Systems, fit_coupled};
 use grosgrain::partition::Partition;
 use grosgrain::training::{LocalTrainer, RingKind};
 
 use super::{CENTRE, Outcome, RATIO, SPACING, layered};
-use crate::per_node::{PerNode, Systems};
 
 /// The cell in the middle of a layered body, trained on its one-ring.
 pub struct FitCase {

@@ -1,10 +1,11 @@
 //! Shape functions of one cell, next to Table 3 of the paper.
 
+use grosgrain::coarsening::Systems;
+
 use super::cases::Outcome;
 use super::cases::fitting::FitCase;
 use super::machine::Machine;
 use super::measure::{Effort, MICRO, MILLI, Spread, digits, measure, measure_once};
-use super::per_node::Systems;
 use super::table::Table;
 
 /// Published milliseconds at d = 2, 3, 4, 5: one optimisation per node, and the coupled one.

@@ -10,8 +10,6 @@
 
 #[path = "../../benches/cases/mod.rs"]
 mod cases;
-#[path = "../../benches/baselines/per_node.rs"]
-mod per_node;
 #[path = "../../benches/baselines/simplicial.rs"]
 mod simplicial;
 

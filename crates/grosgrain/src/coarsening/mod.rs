@@ -4,12 +4,14 @@ mod base;
 mod coupled;
 mod data_constraints;
 mod fit;
+mod per_node;
 mod shape_functions;
 
 pub use base::{BaseFunctions, BaseKind};
 pub use coupled::{CoupledError, fit_coupled};
 pub use data_constraints::{DataConstraints, RANK_TOLERANCE};
 pub use fit::{FittedCell, Fitter};
+pub use per_node::{PerNode, Systems};
 pub use shape_functions::{Objective, ShapeFunctionError, ShapeFunctions};
 
 /// Columns of a shape function matrix: three displacement components of eight corners.

@@ -36,6 +36,7 @@ pub use selection::{Axis, NodeSelection, PlaneAt, SelectionError, Selector};
 pub use spheres::SphereCentres;
 pub use support::{HeldBy, LoosePart, loose_parts, parts_loose_from_largest};
 pub use surface::{BoundaryFace, boundary_faces};
+pub use uniform::random_subset;
 pub use volume::Volume;
 pub use voxel_grid::{Label, VoxelGrid, VoxelGridError};
 pub use warp::{WarpedBody, warp};

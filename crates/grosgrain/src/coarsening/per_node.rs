@@ -1,17 +1,10 @@
-//! Shape functions by one small constrained optimisation per fine node, as published (`he2022fast`, §4.2).
-//!
-//! The 72 coefficients of a node are m = Q̄ z + m₀ with Q̄ a basis of the null space of its 18 geometric constraints
-//! (full QR) and m₀ the trilinear functions. z minimises ½‖z − z̄‖² under the 18 data constraints
-//! D Q̄ z = d − D m₀, solved by multipliers: B Bᵀ λ = d − D m₀ − B z̄, z = z̄ + Bᵀ λ, B = D Q̄. The smoothest
-//! coefficients z̄ do not depend on the data and are given.
-
-#![allow(dead_code, reason = "not every benchmark compares with it")]
+//! Shape functions by one small constrained optimisation per fine node, as published: the baseline of the closed form.
 
 use std::hint::black_box;
 
-use grosgrain::coarsening::{BaseFunctions, COLUMNS, FIELDS};
-use grosgrain::mesh::Node;
-use grosgrain::partition::Partition;
+use super::{BaseFunctions, COLUMNS, FIELDS};
+use crate::mesh::Node;
+use crate::partition::Partition;
 
 const COEFFICIENTS: usize = 3 * COLUMNS;
 const GEOMETRIC: usize = 18;
@@ -30,7 +23,14 @@ pub enum Systems {
     OncePerCell,
 }
 
-/// What does not depend on the training data.
+/// The decoupled optimisation of `he2022fast`, §4.2: what of it does not depend on the training data.
+///
+/// The 72 coefficients of a node are m = Q̄ z + m₀ with Q̄ a basis of the null space of its 18 geometric constraints
+/// (full QR) and m₀ the trilinear functions. z minimises ½‖z − z̄‖² under the 18 data constraints
+/// D Q̄ z = d − D m₀, solved by multipliers: B Bᵀ λ = d − D m₀ − B z̄, z = z̄ + Bᵀ λ, B = D Q̄. The smoothest
+/// coefficients z̄ do not depend on the data and are given. The result is that of [`Fitter`](super::Fitter), which is faster; this is
+/// kept to compare with.
+#[derive(Clone, Debug)]
 pub struct PerNode {
     corners: [usize; 8],
     null_space: Vec<[f64; FREE]>,
@@ -41,7 +41,8 @@ pub struct PerNode {
 }
 
 impl PerNode {
-    /// `smoothest` holds the smoothest functions under the geometric constraints, `3 (d + 1)³ × 24` row-major.
+    /// A fitter for the coarse cells of `partition` with fine cells of edge lengths `spacing` \[m\]. `smoothest` holds the smoothest
+    /// functions under the geometric constraints ([`Fitter::base`](super::Fitter::base)), `3 (d + 1)³ × 24` row-major.
     pub fn new(partition: &Partition, spacing: [f64; 3], smoothest: &[f64]) -> Self {
         let corners = partition.local_corners();
         let offsets = corners.map(|n| {
@@ -59,7 +60,11 @@ impl PerNode {
         Self { corners, null_space, null_columns, trilinear, smoothest }
     }
 
-    /// Fits one cell; false if a multiplier system is not positive definite.
+    /// Fits one cell: `training` is its `3 (d + 1)³ × 6` matrix, `functions` receives W (`3 (d + 1)³ × 24`), both row-major.
+    /// False if a multiplier system is not positive definite, as with training fields that depend on each other at the corners.
+    ///
+    /// # Panics
+    /// Panics when `training` has the wrong length.
     pub fn fit_into(&self, training: &[f64], systems: Systems, functions: &mut [f64]) -> bool {
         let corner = |k: usize, c: usize| training[FIELDS * (3 * self.corners[c / 3] + c % 3) + k];
         let at_corners = std::array::from_fn(|k| std::array::from_fn(|c| corner(k, c)));
@@ -115,6 +120,7 @@ impl pulp::NullaryFnOnce for Optimisation<'_> {
                 continue;
             }
             if self.systems == Systems::EveryNode {
+                // Behind the black box the compiler cannot see that it is the same matrix at every node.
                 let Some(own) = multiplier_factor(black_box(&projected)) else { return false };
                 factor = own;
             }

@@ -1,0 +1,145 @@
+//! The tables and figures that can be reproduced, by name.
+
+use std::ops::RangeInclusive;
+use std::str::FromStr;
+
+use super::bodies::Heterogeneity;
+use super::{Findings, Study, fig2, fig3, table1, table2, table3};
+use crate::failure::Failure;
+use crate::results;
+use crate::scene::{enumeration, nearest};
+
+/// A table or figure of `he2022fast`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Artefact {
+    /// Errors of trainings.
+    Table1,
+    /// Times of training data.
+    Table2,
+    /// Times of fits.
+    Table3,
+    /// The beams of Table 1.
+    Fig2,
+    /// Single cells, on which fits are compared.
+    Fig3,
+}
+
+/// Why a name is none.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("nothing is published as {name:?}{hint}; expected table1, table2, table3, fig2 or fig3")]
+pub struct UnknownArtefact {
+    name: String,
+    hint: String,
+}
+
+impl Artefact {
+    const ALL: [Self; 5] = [Self::Table1, Self::Table2, Self::Table3, Self::Fig2, Self::Fig3];
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Table1 => "table1",
+            Self::Table2 => "table2",
+            Self::Table3 => "table3",
+            Self::Fig2 => "fig2",
+            Self::Fig3 => "fig3",
+        }
+    }
+
+    fn title(self) -> &'static str {
+        match self {
+            Self::Table1 => "errors of training data: beams of three patterns, d = 2 to 7",
+            Self::Table2 => "times of training data for one interior cell, d = 2 to 7",
+            Self::Table3 => "times of shape functions for one cell, d = 2 to 5",
+            Self::Fig2 => "pictures of the beams of Table 1",
+            Self::Fig3 => "single cells of three patterns, d = 2 to 5: three fits compared, and pictures",
+        }
+    }
+
+    /// The published degrees.
+    fn published_degrees(self) -> RangeInclusive<usize> {
+        match self {
+            Self::Table1 | Self::Table2 | Self::Fig2 => 2..=7,
+            Self::Table3 | Self::Fig3 => 2..=5,
+        }
+    }
+
+    /// Runs it.
+    pub fn run(self, study: &Study) -> Result<Findings, Failure> {
+        match self {
+            Self::Table1 => table1::run(study),
+            Self::Table2 => table2::run(study),
+            Self::Table3 => table3::run(study),
+            Self::Fig2 => fig2::run(study),
+            Self::Fig3 => fig3::run(study),
+        }
+    }
+
+    /// The degrees asked for, ascending, or all published ones.
+    pub fn degrees(self, asked: &[usize]) -> Result<Vec<usize>, Failure> {
+        let published = self.published_degrees();
+        if let Some(degree) = asked.iter().find(|d| !published.contains(d)) {
+            let (low, high) = (published.start(), published.end());
+            let name = self.name();
+            return Err(Failure::Unusable(format!("{name} has degrees {low} to {high}, not {degree}; see --list")));
+        }
+        let mut degrees = if asked.is_empty() { published.collect() } else { asked.to_vec() };
+        degrees.sort_unstable();
+        degrees.dedup();
+        Ok(degrees)
+    }
+
+    /// The patterns asked for, each once and in the paper's order, or all of them.
+    pub fn patterns(self, asked: &[Heterogeneity]) -> Result<Vec<Heterogeneity>, Failure> {
+        if matches!(self, Self::Table2 | Self::Table3) && !asked.is_empty() {
+            let name = self.name();
+            return Err(Failure::Unusable(format!("{name} is measured on one body; leave --patterns out")));
+        }
+        let wanted = |pattern: &Heterogeneity| asked.is_empty() || asked.contains(pattern);
+        Ok(Heterogeneity::ALL.into_iter().filter(wanted).collect())
+    }
+}
+
+impl FromStr for Artefact {
+    type Err = UnknownArtefact;
+
+    fn from_str(name: &str) -> Result<Self, UnknownArtefact> {
+        let known = Self::ALL.into_iter().find(|artefact| artefact.name() == name);
+        known.ok_or_else(|| {
+            let near = nearest(name, &Self::ALL.map(Self::name));
+            let hint = near.map_or_else(String::new, |near| format!(" (did you mean {near:?}?)"));
+            UnknownArtefact { name: name.into(), hint }
+        })
+    }
+}
+
+/// What `--list` prints.
+pub fn list() -> String {
+    let rows = Artefact::ALL.map(|artefact| (artefact.name().to_owned(), artefact.title().to_owned()));
+    let patterns = enumeration(&Heterogeneity::ALL.map(|pattern| pattern.name().to_owned()));
+    format!("he2022fast (He, Pérez and Otaduy 2022), patterns {patterns}\n{}", results::table(&rows))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_artefact_is_read_back_from_its_name_and_a_misspelt_one_gets_a_suggestion() {
+        for artefact in Artefact::ALL {
+            assert_eq!(artefact.name().parse(), Ok(artefact));
+        }
+        let message = "tabel1".parse::<Artefact>().unwrap_err().to_string();
+        assert!(message.contains("did you mean \"table1\"?") && message.contains("fig3"), "{message}");
+        assert!(!"zzz".parse::<Artefact>().unwrap_err().to_string().contains("did you mean"));
+    }
+
+    #[test]
+    fn degrees_and_patterns_are_sorted_without_repetition_and_checked() {
+        assert_eq!(Artefact::Table1.degrees(&[4, 2, 4]).unwrap(), [2, 4]);
+        assert_eq!(Artefact::Table3.degrees(&[]).unwrap(), [2, 3, 4, 5]);
+        assert!(Artefact::Fig3.degrees(&[6]).unwrap_err().to_string().contains("degrees 2 to 5, not 6"));
+        let [oblique, horizontal, _] = Heterogeneity::ALL;
+        assert_eq!(Artefact::Fig2.patterns(&[horizontal, oblique, oblique]).unwrap(), [oblique, horizontal]);
+        assert!(Artefact::Table2.patterns(&[oblique]).is_err());
+    }
+}

@@ -1,0 +1,111 @@
+//! `reproduce`: tables and figures of the papers, run again and printed next to what was published.
+
+mod artefact;
+mod bodies;
+mod fig2;
+mod fig3;
+mod fits;
+mod pictures;
+mod row;
+mod setting;
+mod table1;
+mod table1_error;
+mod table1_text;
+mod table2;
+mod table3;
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use self::artefact::Artefact;
+use self::bodies::Heterogeneity;
+use self::row::Row;
+use crate::failure::Failure;
+use crate::machine::Machine;
+use crate::output::OutputFolder;
+use crate::progress::Progress;
+use crate::results;
+
+const EXAMPLES: &str = "Examples:
+  grosgrain reproduce table1 --degrees 2,3 --patterns oblique -o out/table1
+  grosgrain reproduce table2 table3 --json out/timings.json";
+
+/// Arguments of `reproduce`.
+#[derive(Args, Clone, Debug)]
+#[command(after_help = EXAMPLES)]
+pub struct Arguments {
+    /// What is run again: table1, table2, table3, fig2, fig3
+    #[arg(value_name = "NAME", required_unless_present = "list")]
+    names: Vec<Artefact>,
+    /// Say what can be reproduced, and stop
+    #[arg(long)]
+    list: bool,
+    /// The coarsening degrees, with commas between them; all published ones without it
+    #[arg(long, value_delimiter = ',', value_name = "D,D")]
+    degrees: Vec<usize>,
+    /// The patterns, with commas between them: oblique, horizontal, vertical; all without it
+    #[arg(long, value_delimiter = ',', value_name = "A,B")]
+    patterns: Vec<Heterogeneity>,
+    /// Write pictures and charts into this folder; none are written without it
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+    /// Write the rows, published beside measured, as JSON
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+/// What is to be run, on which machine.
+struct Study<'a> {
+    degrees: Vec<usize>,
+    patterns: Vec<Heterogeneity>,
+    /// Where pictures go.
+    folder: Option<PathBuf>,
+    machine: Machine,
+    progress: &'a Progress,
+}
+
+/// What came out.
+#[derive(Default)]
+struct Findings {
+    rows: Vec<Row>,
+    /// The tables and sentences for the reader.
+    text: String,
+    /// The pictures.
+    written: Vec<PathBuf>,
+}
+
+/// Runs what is named and prints it.
+pub fn run(arguments: &Arguments, progress: &Progress) -> Result<(), Failure> {
+    if arguments.list {
+        return results::print(&artefact::list());
+    }
+    let studies: Result<Vec<(Artefact, Study)>, Failure> =
+        arguments.names.iter().map(|name| Ok((*name, study(*name, arguments, progress)?))).collect();
+    let studies = studies?;
+    let _folders = (
+        arguments.output.as_deref().map(OutputFolder::make).transpose()?,
+        arguments.json.as_deref().map(OutputFolder::around).transpose()?,
+    );
+    let mut rows = Vec::new();
+    for (artefact, study) in studies {
+        let found = artefact.run(&study)?;
+        results::print(&found.text)?;
+        found.written.iter().try_for_each(|path| results::print(&format!("wrote {}", path.display())))?;
+        rows.extend(found.rows);
+    }
+    match &arguments.json {
+        Some(json) => results::write_json(json, &rows),
+        None => Ok(()),
+    }
+}
+
+fn study<'a>(artefact: Artefact, arguments: &Arguments, progress: &'a Progress) -> Result<Study<'a>, Failure> {
+    Ok(Study {
+        degrees: artefact.degrees(&arguments.degrees)?,
+        patterns: artefact.patterns(&arguments.patterns)?,
+        folder: arguments.output.clone(),
+        machine: Machine::here(),
+        progress,
+    })
+}
