@@ -54,6 +54,11 @@ impl CondensedPlan {
         let plan = FrontalPlan::new(lattice.node_count(), 3, &elements, &groups)?;
         Ok(Self { shape, plan: Arc::new(plan), kept, core_nodes })
     }
+
+    /// The symbolic elimination.
+    pub(super) fn frontal(&self) -> &FrontalPlan {
+        &self.plan
+    }
 }
 
 /// Buffers of one shape, used again for every cell.

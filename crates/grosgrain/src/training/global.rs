@@ -25,16 +25,26 @@ impl HarmonicDisplacements {
     /// # Errors
     /// When the systems are not solved, or the callback interrupts.
     pub fn solve(model: &FineModel, choice: SolverChoice, progress: Progress<'_>) -> Result<Self, TrainingError> {
-        let lattice = model.lattice();
-        let spacing = model.grid().spacing;
-        let void = &model.grid().void;
-        let mut displacements = vec![0.0; 3 * HARMONIC_FIELDS * lattice.node_count()];
-        constant_stress_loads(lattice, spacing, &hull(void, &lattice), &mut displacements);
-        let system = LatticeSystem { cells: model, spacing, hold: Hold::Equilibrium };
+        let mut displacements = loads(model);
+        let system = LatticeSystem { cells: model, spacing: model.grid().spacing, hold: Hold::Equilibrium };
         let report = system.solve(choice, &mut displacements, progress).map_err(TrainingError::Global)?;
-        for column in displacements.chunks_exact_mut(3 * lattice.node_count()) {
-            remove_rigid_motion(lattice, spacing, model.active(), column);
-        }
-        Ok(Self { displacements, report })
+        Ok(Self { displacements: without_rigid_motion(model, displacements), report })
     }
+}
+
+/// The loads of the six problems, one lattice vector after the other.
+pub(super) fn loads(model: &FineModel) -> Vec<f64> {
+    let lattice = model.lattice();
+    let mut loads = vec![0.0; 3 * HARMONIC_FIELDS * lattice.node_count()];
+    constant_stress_loads(lattice, model.grid().spacing, &hull(&model.grid().void, &lattice), &mut loads);
+    loads
+}
+
+/// Takes the rigid part over the body's nodes out of each displacement.
+pub(super) fn without_rigid_motion(model: &FineModel, mut displacements: Vec<f64>) -> Vec<f64> {
+    let lattice = model.lattice();
+    for column in displacements.chunks_exact_mut(3 * lattice.node_count()) {
+        remove_rigid_motion(lattice, model.grid().spacing, model.active(), column);
+    }
+    displacements
 }

@@ -2,12 +2,16 @@
 
 mod cell_data;
 mod condensed;
+mod cost;
 mod global;
+mod harmonic_solver;
 mod local;
 mod rigid;
 
 pub use cell_data::Training;
+pub use cost::{RunTimeTraining, TrainingCost, run_time_training};
 pub use global::HarmonicDisplacements;
+pub use harmonic_solver::{HarmonicSolver, REFACTOR_LIMIT};
 pub use local::{LocalTrainer, RingKind};
 
 use crate::fine::FineModel;
