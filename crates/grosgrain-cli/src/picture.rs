@@ -1,7 +1,7 @@
 //! The picture of a run: the deformed body, fine and coarse side by side.
 
 use std::collections::HashMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use grosgrain::coarse::CoarseModel;
 use grosgrain::io::write_atomically;
@@ -18,7 +18,7 @@ use crate::quantities::{count, number};
 const TRUE_SHARES: [f64; 2] = [0.05, 0.3];
 const DRAWN_SHARE: f64 = 0.12;
 
-/// Draws the picture into `picture.png`.
+/// Draws the picture into the file at `path`.
 ///
 /// # Errors
 /// A picture that cannot be drawn or written.
@@ -26,9 +26,8 @@ pub fn write(
     problem: &Problem,
     method: Method,
     (coarse, fine): (Option<&CoarseRun>, Option<&FineRun>),
-    folder: &Path,
+    path: PathBuf,
 ) -> Result<PathBuf, Failure> {
-    let path = folder.join("picture.png");
     let failed = |error: PictureError| Failure::Failed(format!("{}: {error}", path.display()));
     let image = figure(problem, method, coarse, fine).render().map_err(failed)?;
     write_atomically(&path, |writer| image.write_png(writer)).map_err(failed)?;

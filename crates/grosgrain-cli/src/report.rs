@@ -79,10 +79,19 @@ pub struct Solver {
 pub struct Edit {
     /// The step it happened in.
     pub step: usize,
-    /// Coarse cells whose material changed.
+    /// Coarse cells that hold a changed fine cell.
     pub changed_cells: usize,
+    /// Fine cells that changed, parts left out among them.
+    pub changed_fine_cells: usize,
     /// Coarse cells that were coarsened again.
     pub dirty_cells: usize,
+    /// Parts that the edits cut loose.
+    pub loose_parts: usize,
+    /// Their fine cells.
+    pub loose_cells: usize,
+    /// What the user should know.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
     /// Seconds by stage: training, fitting, total.
     pub seconds: BTreeMap<String, f64>,
 }
