@@ -43,7 +43,7 @@ pub struct Report {
     pub training_solver: Option<Solver>,
     /// What changed during the run.
     pub edits: Vec<Edit>,
-    /// The frames that were written.
+    /// Every step.
     pub frames: Vec<Frame>,
     /// The difference from the fine model; absent where it did not run.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -96,7 +96,7 @@ pub struct Edit {
     pub seconds: BTreeMap<String, f64>,
 }
 
-/// A frame that was written.
+/// A step of the run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Frame {
     /// The step.

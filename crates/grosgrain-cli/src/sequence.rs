@@ -13,7 +13,7 @@ use crate::method::Method;
 use crate::outcome::{CoarseRun, FineRun, run_coarse, run_fine};
 use crate::problem::Problem;
 use crate::progress::Progress;
-use crate::quantities::{counted, number};
+use crate::quantities::counted;
 use crate::report::{Edit, Frame};
 use crate::schedule::EditSchedule;
 
@@ -212,5 +212,5 @@ fn told(step: usize, loose: &LooseReport) -> Option<String> {
         true => "left out from now on (body.loose = \"keep\" keeps them)",
         false => "kept where they are, without displacement, since nothing static holds them",
     };
-    (loose.parts > 0).then(|| format!("step {}: {parts} with {cells} {verb} on nothing; {then}", number(step as f64)))
+    (loose.parts > 0).then(|| format!("step {step}: {parts} with {cells} {verb} on nothing; {then}"))
 }
