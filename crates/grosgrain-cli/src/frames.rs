@@ -9,48 +9,71 @@ use grosgrain::io::write_atomically;
 use grosgrain::mesh::{Cell, Node};
 
 use crate::failure::Failure;
-use crate::outcome::{CoarseRun, FineRun};
 use crate::problem::Problem;
+use crate::sequence::Step;
 
-/// Writes `body.pvd` with its frame, and `coarse.pvd` where there is a coarse model; returns what was written.
-///
-/// # Errors
-/// Files that cannot be written.
-pub fn write(
-    problem: &Problem,
-    coarse: Option<&CoarseRun>,
-    fine: Option<&FineRun>,
-    folder: &Path,
-) -> Result<Vec<PathBuf>, Failure> {
-    let reference = fine.map(|run| run.solution.displacement.as_slice());
-    let mut written = Vec::new();
-    let shown = coarse.map(|run| run.solution.displacement.as_slice()).or(reference);
-    if let Some(displacement) = shown {
-        let error = coarse.and(reference);
-        let body = FineBody::new(&problem.model, coarse.map(|run| &run.built.model));
-        written.push(series(folder, "body", |path| body.write(path, &problem.model, displacement, error))?);
-    }
-    if let Some(run) = coarse {
-        let displacement = &run.solution.coarse_displacement;
-        written.push(series(folder, "coarse", |path| write_coarse(path, problem, &run.built.model, displacement))?);
-    }
-    Ok(written)
+/// The frames of a run, which grow step by step.
+#[derive(Debug)]
+pub struct Frames {
+    folder: PathBuf,
+    /// Times \[s\] and files of the body's frames.
+    body: Vec<(f64, String)>,
+    /// The same of the coarse mesh.
+    coarse: Vec<(f64, String)>,
 }
 
-/// Writes the frame `name_0000.vtu` and the series `name.pvd` that lists it.
+impl Frames {
+    /// No frames yet; they go into `folder`.
+    pub fn new(folder: &Path) -> Self {
+        Self { folder: folder.to_path_buf(), body: Vec::new(), coarse: Vec::new() }
+    }
+
+    /// Writes the frame of a step: `body_NNNN.vtu`, and `coarse_NNNN.vtu` where there is a coarse model. The series `body.pvd`
+    /// and `coarse.pvd` list all frames so far.
+    ///
+    /// # Errors
+    /// Files that cannot be written.
+    pub fn add(&mut self, problem: &Problem, step: Step<'_>) -> Result<(), Failure> {
+        let (coarse, fine) = (step.runs.coarse.as_ref(), step.runs.fine.as_ref());
+        let reference = fine.map(|run| run.solution.displacement.as_slice());
+        let shown = coarse.map(|run| run.solution.displacement.as_slice()).or(reference);
+        if let Some(displacement) = shown {
+            let error = coarse.and(reference);
+            let body = FineBody::new(&problem.model, coarse.map(|run| &run.built.model), step.time);
+            let write = |path: &Path| body.write(path, &problem.model, displacement, error);
+            series(&self.folder, "body", &step, &mut self.body, write)?;
+        }
+        if let Some(run) = coarse {
+            let displacement = &run.solution.coarse_displacement;
+            let write = |path: &Path| write_coarse(path, problem, (&run.built.model, displacement), step.time);
+            series(&self.folder, "coarse", &step, &mut self.coarse, write)?;
+        }
+        Ok(())
+    }
+
+    /// The series that were written.
+    pub fn written(&self) -> Vec<PathBuf> {
+        let series = [("body.pvd", &self.body), ("coarse.pvd", &self.coarse)];
+        series.iter().filter(|(_, frames)| !frames.is_empty()).map(|(name, _)| self.folder.join(name)).collect()
+    }
+}
+
+/// Writes the frame `name_NNNN.vtu` and the series `name.pvd` that lists it after those before it.
 fn series(
     folder: &Path,
     name: &str,
+    step: &Step<'_>,
+    before: &mut Vec<(f64, String)>,
     write_frame: impl FnOnce(&Path) -> Result<(), VtkError>,
-) -> Result<PathBuf, Failure> {
+) -> Result<(), Failure> {
     let failed = |path: &Path, error: VtkError| Failure::Failed(format!("{}: {error}", path.display()));
-    let file = format!("{name}_0000.vtu");
+    let file = format!("{name}_{:04}.vtu", step.number);
     let path = folder.join(&file);
     write_frame(&path).map_err(|error| failed(&path, error))?;
+    before.push((step.time, file));
     let list = folder.join(format!("{name}.pvd"));
-    let frames = [Frame { time: 0.0, file: &file }];
-    write_atomically(&list, |writer| write_pvd(writer, &frames)).map_err(|error| failed(&list, error))?;
-    Ok(list)
+    let frames: Vec<Frame> = before.iter().map(|(time, file)| Frame { time: *time, file }).collect();
+    write_atomically(&list, |writer| write_pvd(writer, &frames)).map_err(|error| failed(&list, error))
 }
 
 /// The solid cells of the fine lattice and the nodes they touch.
@@ -60,10 +83,11 @@ struct FineBody {
     cells: Vec<usize>,
     hexahedra: Vec<[usize; 8]>,
     coarse_cell: Vec<i32>,
+    time: f64,
 }
 
 impl FineBody {
-    fn new(model: &FineModel, coarse: Option<&CoarseModel>) -> Self {
+    fn new(model: &FineModel, coarse: Option<&CoarseModel>, time: f64) -> Self {
         let lattice = model.grid().lattice;
         let nodes: Vec<usize> = (0..lattice.node_count()).filter(|&n| model.active()[n]).collect();
         let mut row_of = vec![0; lattice.node_count()];
@@ -72,7 +96,7 @@ impl FineBody {
         let hexahedra = cells.iter().map(|&c| lattice.corners(Cell(c)).map(|n| row_of[n.0])).collect();
         let points = nodes.iter().map(|&n| model.node_position(Node(n))).collect();
         let coarse_cell = cells.iter().map(|&c| coarse.map_or(-1, |coarse| coarse_cell_of(coarse, Cell(c)))).collect();
-        Self { nodes, points, cells, hexahedra, coarse_cell }
+        Self { nodes, points, cells, hexahedra, coarse_cell, time }
     }
 
     fn write(
@@ -109,13 +133,18 @@ impl FineBody {
             hexahedra: &self.hexahedra,
             point_data,
             cell_data,
-            time: Some(0.0),
+            time: Some(self.time),
         };
         write_atomically(path, |writer| write_vtu(writer, &grid))
     }
 }
 
-fn write_coarse(path: &Path, problem: &Problem, coarse: &CoarseModel, displacement: &[f64]) -> Result<(), VtkError> {
+fn write_coarse(
+    path: &Path,
+    problem: &Problem,
+    (coarse, displacement): (&CoarseModel, &[f64]),
+    time: f64,
+) -> Result<(), VtkError> {
     let partition = coarse.partition();
     let nodes = coarse.nodes();
     let points: Vec<[f64; 3]> =
@@ -135,7 +164,7 @@ fn write_coarse(path: &Path, problem: &Problem, coarse: &CoarseModel, displaceme
             array("mass", Values::Scalar(&mass)),
         ],
         cell_data: vec![array("coarse_cell", Values::Integer(&number))],
-        time: Some(0.0),
+        time: Some(time),
     };
     write_atomically(path, |writer| write_vtu(writer, &grid))
 }

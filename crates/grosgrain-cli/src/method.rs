@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use grosgrain::training::TrainingKind;
 
-use crate::scene::nearest;
+use crate::scene::{Training, nearest};
 
 /// A way to model the body of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,6 +50,18 @@ impl Method {
         ("one-ring", Self::Coarsened(TrainingKind::OneRing)),
         ("single-cell", Self::Coarsened(TrainingKind::SingleCell)),
     ];
+
+    /// The method of a scene's training.
+    ///
+    /// # Errors
+    /// A training that this version does not have.
+    pub fn of_training(training: Training) -> Result<Self, MethodError> {
+        match training {
+            Training::Kind(kind) => Ok(Self::Coarsened(kind)),
+            Training::Substructured => Err(MethodError::NotYet("substructured".into())),
+            Training::Auto => Err(MethodError::NotYet("auto".into())),
+        }
+    }
 
     /// Its name.
     pub const fn name(self) -> &'static str {

@@ -18,7 +18,7 @@ use crate::quantities::{count, number};
 const TRUE_SHARES: [f64; 2] = [0.05, 0.3];
 const DRAWN_SHARE: f64 = 0.12;
 
-/// Draws the picture into `picture.png`.
+/// Draws the picture into the file at `path`.
 ///
 /// # Errors
 /// A picture that cannot be drawn or written.
@@ -26,9 +26,9 @@ pub fn write(
     problem: &Problem,
     method: Method,
     (coarse, fine): (Option<&CoarseRun>, Option<&FineRun>),
-    folder: &Path,
+    path: PathBuf,
 ) -> Result<PathBuf, Failure> {
-    save(figure(problem, method, coarse, fine).render(), &folder.join("picture.png"))
+    save(figure(problem, method, coarse, fine).render(), &path)
 }
 
 /// Writes a picture that was drawn as PNG, whole or not at all; returns its path.

@@ -5,16 +5,18 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use grosgrain::coarse::BuildOptions;
-use grosgrain::fine::{FineModel, gravity, node_forces, traction};
+use grosgrain::fine::FineModel;
 use grosgrain::mesh::{Label, Volume, VoxelGrid, pad_to_multiple};
 
 use crate::body::{build_body, held_nodes, loose_when_held};
 use crate::failure::Failure;
 use crate::method::Method;
+use crate::placed_loads::PlacedLoads;
 use crate::progress::Progress;
 use crate::quantities::triple_count;
 use crate::report::ModelSize;
-use crate::scene::{Filling, Load, LoadKind, Scene, Source, VoxelModulus, read_scene};
+use crate::scene::{Filling, Scene, Source, VoxelModulus, read_scene};
+use crate::schedule::EditSchedule;
 
 /// Label of the voids that fill the last coarse cells.
 const PADDING: Label = Label(-1);
@@ -32,8 +34,12 @@ pub struct Problem {
     pub volume: Option<Volume>,
     /// Which nodes of the lattice are fixed.
     pub fixed: Vec<bool>,
-    /// Loads \[N\], three per lattice node.
+    /// Loads \[N\] on the model as it is, three per lattice node.
     pub loads: Vec<f64>,
+    /// Where the scene's loads act, whatever becomes of the body.
+    pub placed: PlacedLoads,
+    /// What changes during the run.
+    pub schedule: EditSchedule,
     /// Seconds per stage so far.
     pub seconds: BTreeMap<String, f64>,
 }
@@ -50,13 +56,15 @@ impl Problem {
         let body = build_body(&scene)?;
         body.remarks.iter().for_each(|remark| progress.say(remark));
         require_degree(&scene, &body.grid)?;
+        let schedule = EditSchedule::new(&scene, &body.grid);
         let grid = padded(&body.grid, scene.coarsening.degree, progress);
         let fixed = held_nodes(&scene, &grid)?;
         let unusable = |error: &dyn std::fmt::Display| Failure::Unusable(format!("{}: {error}", file.display()));
         let model = FineModel::new(grid, &body.materials).map_err(|error| unusable(&error))?;
-        let loads = all_loads(&scene, &model)?;
+        let placed = PlacedLoads::new(&scene, &model)?;
+        let loads = placed.assemble(&model);
         let seconds = BTreeMap::from([("body".to_owned(), start.elapsed().as_secs_f64())]);
-        Ok(Self { scene, model, volume: body.volume, fixed, loads, seconds })
+        Ok(Self { scene, model, volume: body.volume, fixed, loads, placed, schedule, seconds })
     }
 
     /// Refuses a body that has no equilibrium: nothing fixed, nothing loaded, or parts that can still move.
@@ -84,8 +92,20 @@ impl Problem {
     }
 
     /// The method asked for on the command line, or the scene's.
-    pub fn method(&self, asked: Option<Method>) -> Method {
-        asked.unwrap_or(Method::Coarsened(self.scene.coarsening.training))
+    ///
+    /// # Errors
+    /// A training of the scene that this version does not have.
+    pub fn method(&self, asked: Option<Method>) -> Result<Method, Failure> {
+        let own = || Method::of_training(self.scene.coarsening.training);
+        let refuse = |error| self.scene.unusable("coarsening.training", error);
+        asked.map_or_else(|| own().map_err(|error| refuse(error).into()), Ok)
+    }
+
+    /// Says that only `simulate` makes edits.
+    pub fn tell_idle_edits(&self, progress: &Progress) {
+        if !self.scene.edits.is_empty() {
+            progress.say("the scene's edits are made by simulate only; this is the body before them");
+        }
     }
 
     /// How the library builds the coarse model of a method; `None` for the fine one.
@@ -155,34 +175,4 @@ fn padded(grid: &VoxelGrid, degree: usize, progress: &Progress) -> VoxelGrid {
         progress.say(&sentence);
     }
     padding.grid
-}
-
-fn all_loads(scene: &Scene, model: &FineModel) -> Result<Vec<f64>, Failure> {
-    let mut sum = vec![0.0; 3 * model.grid().lattice.node_count()];
-    for load in &scene.loads {
-        let forces = loads_of(scene, model, load)?;
-        sum.iter_mut().zip(forces).for_each(|(total, force)| *total += force);
-    }
-    Ok(sum)
-}
-
-fn loads_of(scene: &Scene, model: &FineModel, load: &Load) -> Result<Vec<f64>, Failure> {
-    let refuse = |error: String| Failure::from(scene.unusable(&load.key, error));
-    let nodes = |selection: &grosgrain::mesh::Selector| {
-        selection.nodes(model.grid()).map_err(|error| refuse(format!("where: {error}")))
-    };
-    match &load.kind {
-        LoadKind::Gravity(acceleration) => Ok(gravity(model, *acceleration)),
-        LoadKind::Force(selection, force) => Ok(node_forces(model, &nodes(selection)?.mask, *force)),
-        LoadKind::Traction(selection, stress) => {
-            let (loads, area) = traction(model, &nodes(selection)?.mask, *stress);
-            match area > 0.0 {
-                true => Ok(loads),
-                false => Err(refuse(
-                    "the selection holds no whole face of the body's surface; a traction needs all four nodes of a face, enlarge it"
-                        .into(),
-                )),
-            }
-        }
-    }
 }

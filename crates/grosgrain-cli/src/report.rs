@@ -43,7 +43,7 @@ pub struct Report {
     pub training_solver: Option<Solver>,
     /// What changed during the run.
     pub edits: Vec<Edit>,
-    /// The frames that were written.
+    /// Every step.
     pub frames: Vec<Frame>,
     /// The difference from the fine model; absent where it did not run.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -79,15 +79,24 @@ pub struct Solver {
 pub struct Edit {
     /// The step it happened in.
     pub step: usize,
-    /// Coarse cells whose material changed.
+    /// Coarse cells that hold a changed fine cell.
     pub changed_cells: usize,
+    /// Fine cells that changed, parts left out among them.
+    pub changed_fine_cells: usize,
     /// Coarse cells that were coarsened again.
     pub dirty_cells: usize,
+    /// Parts that the edits cut loose.
+    pub loose_parts: usize,
+    /// Their fine cells.
+    pub loose_cells: usize,
+    /// What the user should know.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
     /// Seconds by stage: training, fitting, total.
     pub seconds: BTreeMap<String, f64>,
 }
 
-/// A frame that was written.
+/// A step of the run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Frame {
     /// The step.

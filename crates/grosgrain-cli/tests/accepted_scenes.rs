@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 
 use grosgrain::coarsening::{BaseKind, Objective};
 use grosgrain::material::Elasticity;
-use grosgrain::mesh::{Axis, Label, PlaneAt, Selector};
+use grosgrain::mesh::{Axis, Blade, Brush, Cut, Label, PlaneAt, Selector};
 use grosgrain::training::TrainingKind;
 use grosgrain_cli::body::{Body, build_body, loose_when_held, solid_counts};
-use grosgrain_cli::scene::{LoadKind, Scene, read_scene};
+use grosgrain_cli::scene::{LoadKind, Scene, Training, read_scene};
 
 const CONDITIONS: &str = "
 [coarsening]
@@ -95,7 +95,7 @@ fn the_static_scene_of_a_ct_volume_is_read_in_full() {
     );
     let (scene, body) = read(&text);
     assert_eq!((scene.title.as_str(), scene.coarsening.degree), ("Abdomen, cut", 2));
-    assert_eq!(scene.coarsening.training, TrainingKind::OneRing);
+    assert_eq!(scene.coarsening.training, Training::Kind(TrainingKind::OneRing));
     assert!(scene.output.compare_with_fine && scene.output.picture && scene.output.volume);
     assert_eq!(scene.warnings.len(), 1, "{:?}", scene.warnings);
     assert_eq!(body.grid.lattice.cells, [24, 24, 18]);
@@ -127,7 +127,7 @@ fn defaults_are_those_that_the_documentation_names() {
     let coarsening = scene.coarsening;
     assert_eq!(
         (coarsening.training, coarsening.base, coarsening.objective),
-        (TrainingKind::OneRing, BaseKind::Harmonic, Objective::ClosedForm)
+        (Training::Kind(TrainingKind::OneRing), BaseKind::Harmonic, Objective::ClosedForm)
     );
     assert_eq!(body.grid.spacing, [0.1, 0.1, 0.05]);
     assert_eq!(counts(&body), [(3, 8)]);
@@ -171,6 +171,17 @@ fn every_selector_is_read() {
     let ball = Selector::Sphere { centre: [1.0, 1.0, 0.0], radius: 1.5 };
     assert_eq!(selector("{ sphere = { centre = [1, 1, 0], radius = 1.5 } }"), ball);
     assert_eq!(selector("{ label = 1 }"), Selector::Label(Label(1)));
+    let cut = Cut { point: [1.0, 1.0, 1.0], normal: [1.0, 0.0, 2.0], radius: None };
+    assert_eq!(selector("{ cut = { point = [1, 1, 1], normal = [1, 0, 2] } }"), Selector::Cut(cut.clone()));
+    let disc = Selector::Cut(Cut { radius: Some(0.9), ..cut });
+    assert_eq!(selector("{ cut = { point = [1, 1, 1], normal = [1, 0, 2], radius = 0.9 } }"), disc);
+    let edge = [[0.0, 0.0, 0.5], [4.0, 0.0, 0.5]];
+    let blade = Selector::Blade(Blade { edge, sweep: [0.0, 1.5, 0.0] });
+    assert_eq!(selector("{ blade = { edge = [[0, 0, 0.5], [4, 0, 0.5]], sweep = [0, 1.5, 0] } }"), blade);
+    let path = Selector::blade_path(edge, &[[0.0, 1.5, 0.0], [0.0, 0.0, 1.0]]);
+    assert_eq!(selector("{ blade = { edge = [[0, 0, 0.5], [4, 0, 0.5]], sweep = [[0, 1.5, 0], [0, 0, 1]] } }"), path);
+    let brush = Selector::Brush(Brush { path: vec![[0.0; 3], [4.0, 2.0, 2.0]], radius: 0.75 });
+    assert_eq!(selector("{ brush = { path = [[0, 0, 0], [4, 2, 2]], radius = 0.75 } }"), brush);
     assert_eq!(
         selector("{ and = [{ not = { label = 1 } }, { or = [\"all\", { label = 0 }] }] }"),
         Selector::And(vec![

@@ -47,7 +47,26 @@ pub fn build_body(scene: &Scene) -> Result<Body, Failure> {
     for (key, selector) in conditions(scene) {
         selector.nodes(&grid).map_err(|error| unusable(scene, &format!("{key}.where"), error))?;
     }
+    require_edit_regions(scene, &grid)?;
     Ok(Body { materials: materials::table(scene, &grid)?, grid, volume, remarks })
+}
+
+/// Refuses edits whose region lies outside of the grid, where geometry alone tells that.
+fn require_edit_regions(scene: &Scene, grid: &VoxelGrid) -> Result<(), Failure> {
+    let mut picked = Vec::new();
+    for edit in scene.edits.iter().filter(|edit| edit.selection.is_geometric()) {
+        edit.selection.pick_cells(grid, &mut picked);
+        if picked.is_empty() {
+            let [low, high] = [[0; 3], grid.lattice.cells].map(|at| grid.position(at));
+            let sentence = format!(
+                "the region holds no cell of the grid, which extends over x {:.6}..{:.6}, y {:.6}..{:.6}, z {:.6}..{:.6} m; \
+                 move or enlarge it",
+                low[0], high[0], low[1], high[1], low[2], high[2]
+            );
+            return Err(unusable(scene, &format!("{}.where", edit.key), sentence));
+        }
+    }
+    Ok(())
 }
 
 /// The sentence for an error of the library under the key that caused it.

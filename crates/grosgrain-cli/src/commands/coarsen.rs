@@ -72,7 +72,8 @@ pub fn run(arguments: &Arguments, progress: &Progress) -> Result<(), Failure> {
     if let Some(sentence) = loose_from_largest(problem.model.grid()) {
         progress.warn(&sentence);
     }
-    let method = problem.method(arguments.method);
+    let method = problem.method(arguments.method)?;
+    problem.tell_idle_edits(progress);
     let _folders = (OutputFolder::around(&output)?, arguments.json.as_deref().map(OutputFolder::around).transpose()?);
     let built = build_coarse(&problem, method, progress)?;
     let figures = Figures::new(&problem, method, &built);

@@ -48,6 +48,7 @@ struct Row {
 pub fn run(arguments: &Arguments, progress: &Progress) -> Result<(), Failure> {
     let problem = Problem::read(&arguments.scene, progress)?;
     problem.require_support()?;
+    problem.tell_idle_edits(progress);
     let methods = match arguments.methods.is_empty() {
         true => Method::ALL.map(|(_, method)| method).to_vec(),
         false => arguments.methods.clone(),

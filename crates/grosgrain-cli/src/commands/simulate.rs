@@ -7,17 +7,18 @@ use clap::Args;
 
 use crate::deformed_volume;
 use crate::failure::Failure;
-use crate::frames;
+use crate::frames::Frames;
 use crate::interruption;
 use crate::method::Method;
-use crate::outcome::{CoarseRun, FineRun, run_coarse, run_fine, solver_of, warn_of_softness};
+use crate::outcome::{CoarseRun, solver_of, warn_of_softness};
 use crate::output::OutputFolder;
 use crate::picture;
 use crate::problem::Problem;
 use crate::progress::Progress;
 use crate::quantities::{count, number, seconds};
-use crate::report::{self, Frame, Report, SCHEMA_VERSION};
+use crate::report::{self, ModelSize, Report, SCHEMA_VERSION};
 use crate::results;
+use crate::sequence::{self, Runs, Sequence};
 
 const EXAMPLES: &str = "Examples:
   grosgrain simulate scenes/torso.toml -o out/torso
@@ -37,12 +38,6 @@ pub struct Arguments {
     method: Option<Method>,
 }
 
-/// What was run.
-struct Runs {
-    coarse: Option<CoarseRun>,
-    fine: Option<FineRun>,
-}
-
 /// Runs the scene and writes the results.
 pub fn run(arguments: &Arguments, progress: &Progress) -> Result<(), Failure> {
     let start = Instant::now();
@@ -51,15 +46,28 @@ pub fn run(arguments: &Arguments, progress: &Progress) -> Result<(), Failure> {
     let output = arguments.output.clone().unwrap_or_else(|| default_folder(&arguments.scene));
     let output = OutputFolder::make(&output)?;
     let folder = output.path();
-    let method = problem.method(arguments.method);
-    let runs = solve(&problem, method, progress)?;
+    let method = problem.method(arguments.method)?;
+    let initial = problem.fine_size();
+    let schedule = problem.schedule.clone();
+    let mut frames = Frames::new(folder);
+    let (mut written, mut output_seconds) = (Vec::new(), 0.0);
+    let sequence = sequence::run(&mut problem, method, &schedule, progress, |problem, step| {
+        let writing = Instant::now();
+        if step.number % problem.scene.output.frames == 0 || step.number == schedule.steps() {
+            frames.add(problem, step)?;
+        }
+        if step.number == 0 && schedule.steps() > 0 && problem.scene.output.picture {
+            written.extend(draw(problem, method, step.runs, folder.join("picture_0000.png"), progress));
+        }
+        output_seconds += writing.elapsed().as_secs_f64();
+        Ok(())
+    })?;
     interruption::check()?;
     let writing = Instant::now();
-    let mut written = frames::write(&problem, runs.coarse.as_ref(), runs.fine.as_ref(), folder)?;
+    written.splice(0..0, frames.written());
+    let runs = &sequence.last;
     if problem.scene.output.picture {
-        progress.say("drawing the picture");
-        let drawn = picture::write(&problem, method, (runs.coarse.as_ref(), runs.fine.as_ref()), folder);
-        written.extend(keep_or_warn(drawn, progress));
+        written.extend(draw(&problem, method, runs, folder.join("picture.png"), progress));
     }
     let shown = runs.coarse.as_ref().map(|run| &run.solution.displacement);
     let shown = shown.or(runs.fine.as_ref().map(|run| &run.solution.displacement));
@@ -67,9 +75,10 @@ pub fn run(arguments: &Arguments, progress: &Progress) -> Result<(), Failure> {
         progress.say("resampling the deformed volume");
         written.extend(keep_or_warn(deformed_volume::write(&problem, displacement, folder), progress));
     }
-    problem.seconds.insert("output".into(), writing.elapsed().as_secs_f64());
+    output_seconds += writing.elapsed().as_secs_f64();
+    problem.seconds.insert("output".into(), output_seconds);
     problem.seconds.insert("total".into(), start.elapsed().as_secs_f64());
-    let report = make_report(&problem, method, &runs)?;
+    let report = make_report(&problem, method, initial, sequence)?;
     let path = folder.join("report.json");
     results::write_json(&path, &report)?;
     written.push(path);
@@ -87,33 +96,22 @@ fn default_folder(scene: &Path) -> PathBuf {
     Path::new("out").join(scene.file_stem().unwrap_or_default())
 }
 
-fn solve(problem: &Problem, method: Method, progress: &Progress) -> Result<Runs, Failure> {
-    let coarse = match method {
-        Method::Fine => None,
-        _ => {
-            progress.say(&format!("building the coarse model: {method}"));
-            Some(run_coarse(problem, method, progress)?)
-        }
-    };
-    let fine = match method == Method::Fine || problem.scene.output.compare_with_fine {
-        true => {
-            progress.say("solving the fine model");
-            Some(run_fine(problem, progress)?)
-        }
-        false => None,
-    };
-    Ok(Runs { coarse, fine })
+fn draw(problem: &Problem, method: Method, runs: &Runs, path: PathBuf, progress: &Progress) -> Option<PathBuf> {
+    progress.say("drawing the picture");
+    keep_or_warn(picture::write(problem, method, (runs.coarse.as_ref(), runs.fine.as_ref()), path), progress)
 }
 
-fn make_report(problem: &Problem, method: Method, runs: &Runs) -> Result<Report, Failure> {
+fn make_report(
+    problem: &Problem,
+    method: Method,
+    initial: ModelSize,
+    Sequence { last: runs, frames, edits, seconds }: Sequence,
+) -> Result<Report, Failure> {
     let files = problem.input_files();
     let error = runs.coarse.as_ref().zip(runs.fine.as_ref()).map(|(coarse, fine)| coarse.error(fine));
-    let mut seconds = problem.seconds.clone();
-    seconds.extend(runs.coarse.iter().flat_map(|run| run.seconds.clone()));
-    seconds.extend(runs.fine.iter().map(|run| ("fine".to_owned(), run.seconds)));
-    let coarse = runs.coarse.as_ref().map(|run| (&run.solution.report, run.solution.energy));
-    let fine = runs.fine.as_ref().map(|run| (&run.solution.report, run.solution.energy));
-    let Some((solved, energy)) = coarse.or(fine) else {
+    let seconds = problem.seconds.clone().into_iter().chain(seconds).collect();
+    let coarse = runs.coarse.as_ref().map(|run| &run.solution.report);
+    let Some(solved) = coarse.or(runs.fine.as_ref().map(|run| &run.solution.report)) else {
         return Err(Failure::Failed("nothing was solved".into()));
     };
     Ok(Report {
@@ -123,14 +121,14 @@ fn make_report(problem: &Problem, method: Method, runs: &Runs) -> Result<Report,
         method: method.name().into(),
         input_hash: report::input_hash(&files.iter().map(PathBuf::as_path).collect::<Vec<_>>())?,
         threads: rayon::current_num_threads(),
-        fine: problem.fine_size(),
+        fine: initial,
         coarse: runs.coarse.as_ref().map(CoarseRun::size),
         seconds,
         solver: solver_of(solved),
         fine_solver: runs.fine.as_ref().map(|run| solver_of(&run.solution.report)),
         training_solver: runs.coarse.as_ref().and_then(|run| run.built.report.training_solver.as_ref()).map(solver_of),
-        edits: Vec::new(),
-        frames: vec![Frame { step: 0, time: 0.0, energy, error: error.map(|e| e.rms_percent) }],
+        edits,
+        frames,
         error,
     })
 }

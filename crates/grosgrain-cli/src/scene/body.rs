@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use grosgrain::mesh::{DensityLaw, ModulusLaw};
+use grosgrain::update::LooseParts;
 
 use super::document::{Item, Reading};
 use super::labels::{Labelling, read_labelling};
@@ -62,10 +63,13 @@ pub struct Body {
     pub modulus: Option<VoxelModulus>,
     /// Which components stay.
     pub keep: Keep,
+    /// What happens to parts that edits cut loose.
+    pub loose: LooseParts,
 }
 
-const KEYS: &[&str] =
-    &["volume", "grid", "pattern", "mesh", "spacing", "resample", "labels", "void", "young", "modulus", "keep"];
+const KEYS: &[&str] = &[
+    "volume", "grid", "pattern", "mesh", "spacing", "resample", "labels", "void", "young", "modulus", "keep", "loose",
+];
 
 /// Reads `[body]`.
 pub fn read_body(item: &Item) -> Reading<Body> {
@@ -79,9 +83,11 @@ pub fn read_body(item: &Item) -> Reading<Body> {
     let modulus = read_modulus(&section);
     let keeps = [("all", Keep::All), ("largest", Keep::Largest), ("supported", Keep::Supported)];
     let keep = section.optional("keep", |keep| keep.choice(&keeps));
+    let loose = section.optional("loose", |l| l.choice(&[("drop", LooseParts::Drop), ("keep", LooseParts::Keep)]));
     let (source, labelling, modulus) = (source?, labelling?, modulus?);
     refuse_rules_without_values(&section, &source)?;
-    Ok(Body { source, spacing: spacing?, resample: resample?, labelling, modulus, keep: keep?.unwrap_or(Keep::All) })
+    let (keep, loose) = (keep?.unwrap_or(Keep::All), loose?.unwrap_or_default());
+    Ok(Body { source, spacing: spacing?, resample: resample?, labelling, modulus, keep, loose })
 }
 
 fn read_source(section: &Section) -> Reading<Source> {

@@ -8,6 +8,7 @@ use grosgrain::mesh::{Label, Pattern};
 use super::body::{Keep, Source, VoxelModulus};
 use super::conditions::LoadKind;
 use super::document::Reading;
+use super::edits;
 use super::labels::Labelling;
 use super::materials::{Constants, MaterialModel};
 use super::pattern::Filling;
@@ -16,8 +17,12 @@ use super::{Problem, Scene, SceneError, SceneMaterial};
 
 /// Notes what does not fit together.
 pub fn check(root: &Section, scene: &Scene) -> Reading<()> {
-    let checks =
-        [refuse_missing_materials(root, scene), refuse_missing_density(root, scene), refuse_idle_keys(root, scene)];
+    let checks = [
+        refuse_missing_materials(root, scene),
+        refuse_missing_density(root, scene),
+        refuse_idle_keys(root, scene),
+        edits::check(root, scene),
+    ];
     checks.into_iter().collect()
 }
 
@@ -138,10 +143,32 @@ pub fn warnings(scene: &Scene) -> Vec<String> {
         })
         .collect();
     if let Some(labels) = solid_labels(scene) {
-        let idle = scene.materials.iter().filter(|m| !labels.contains(&m.label));
+        let used_later = |name: &String| scene.edits.iter().any(|e| e.sets(name));
+        let idle = scene.materials.iter().filter(|m| !labels.contains(&m.label) && !used_later(&m.name));
         warnings.extend(idle.map(|m| {
             format!("materials.{} is never used: no solid part of the body has its label {}", m.name, m.label)
         }));
+    }
+    warnings.extend(idle_times(scene));
+    warnings
+}
+
+/// Keys of the run's steps that have no effect, and edits that come too late.
+fn idle_times(scene: &Scene) -> Vec<String> {
+    let time = &scene.time;
+    let mut idle: Vec<String> = Vec::new();
+    if scene.edits.is_empty() {
+        idle.extend(time.step.map(|_| "time.step".into()));
+        idle.extend(time.steps.map(|_| "time.steps".into()));
+    }
+    idle.extend(time.unused.iter().cloned());
+    let mut warnings: Vec<String> = idle.iter().map(|key| format!("{key} has no effect in a static run")).collect();
+    for edit in &scene.edits {
+        let cut_off = time.steps.zip(edit.last_step(time.step)).filter(|(steps, last)| last > steps);
+        let told = edit.repeat.is_some_and(|r| r.times.is_some() || r.until.is_some());
+        if let Some((steps, last)) = cut_off.filter(|_| told) {
+            warnings.push(format!("{} repeats up to step {last}, but the run ends at step {steps}", edit.key));
+        }
     }
     warnings
 }

@@ -8,6 +8,7 @@ mod coarsening;
 mod conditions;
 mod consistency;
 mod document;
+mod edits;
 mod labels;
 mod materials;
 mod output;
@@ -15,6 +16,7 @@ mod pattern;
 mod problem;
 mod section;
 mod selector;
+mod time;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -22,16 +24,18 @@ use std::path::{Path, PathBuf};
 use toml::de::DeTable;
 
 pub use body::{Body, Keep, Source, VoxelModulus};
-pub use coarsening::Coarsening;
+pub use coarsening::{Coarsening, Training};
 pub use conditions::{Fix, Load, LoadKind};
+pub use edits::{Repeat, SceneChange, SceneEdit, When};
 pub use labels::Labelling;
 pub use materials::{Constants, MaterialModel, SceneMaterial};
 pub use output::Output;
 pub use pattern::{Filling, Grid};
 pub use problem::{Problem, SceneError};
 pub use section::{alternatives, enumeration, nearest};
+pub use time::Time;
 
-use document::{Document, Item, Noted, Reading};
+use document::{Document, Item, Reading};
 use section::Section;
 
 /// A scene that passed every check that needs no volume.
@@ -51,6 +55,10 @@ pub struct Scene {
     pub fixes: Vec<Fix>,
     /// What loads it.
     pub loads: Vec<Load>,
+    /// What changes during the run.
+    pub edits: Vec<SceneEdit>,
+    /// The steps of the run.
+    pub time: Time,
     /// What a run writes.
     pub output: Output,
     /// The line of every key, so that what only the files show can name its place.
@@ -95,12 +103,12 @@ fn read_root<'s>(document: &'s Document<'s>, table: &'s toml::Spanned<DeTable<'s
     let body = root.required("body", "the table [body] with volume, or grid and pattern", body::read_body);
     let materials = read_materials(&root);
     let coarsening = root.required("coarsening", "the table [coarsening] with degree", coarsening::read_coarsening);
-    let time = root.optional("time", coarsening::read_time);
+    let time = root.optional("time", time::read_time);
     let fixes = root.optional("fix", conditions::read_fixes);
     let loads = root.optional("load", conditions::read_loads);
+    let edits = root.optional("edit", edits::read_edits);
     let output = root.optional("output", output::read_output);
     refusals?;
-    let time = time?;
     let title = title?.map_or_else(|| stem(file), String::from);
     let mut scene = Scene {
         file: file.to_path_buf(),
@@ -110,13 +118,14 @@ fn read_root<'s>(document: &'s Document<'s>, table: &'s toml::Spanned<DeTable<'s
         coarsening: coarsening?,
         fixes: fixes?.unwrap_or_default(),
         loads: loads?.unwrap_or_default(),
+        edits: edits?.unwrap_or_default(),
+        time: time?.unwrap_or_default(),
         output: output?.unwrap_or_default(),
         lines: root.entries().iter().flat_map(|(_, item)| item.lines()).collect(),
         warnings: Vec::new(),
     };
     consistency::check(&root, &scene)?;
     scene.warnings = consistency::warnings(&scene);
-    scene.warnings.extend(time.unwrap_or_default());
     Ok(scene)
 }
 
@@ -132,13 +141,12 @@ fn read_materials(root: &Section) -> Reading<Vec<SceneMaterial>> {
 }
 
 fn refuse_what_comes_later(root: &Section) -> Reading<()> {
-    let refuse = |name: &str, what: &str| match root.get(name) {
+    match root.get("contact") {
         None => Ok(()),
-        Some(item) => Err(item.note(format!("{name} asks for {what}, which this version cannot do; leave it out"))),
-    };
-    let edit = refuse("edit", "changes during the run");
-    let contact: Result<(), Noted> = refuse("contact", "contact with a ground");
-    edit.and(contact)
+        Some(item) => {
+            Err(item.note("contact asks for contact with a ground, which this version cannot do; leave it out".into()))
+        }
+    }
 }
 
 fn stem(file: &Path) -> String {

@@ -6,10 +6,8 @@ use super::document::{Item, Reading, read_all};
 use super::section::{Section, enumeration};
 
 const KINDS: [&str; 11] = ["all", "plane", "box", "sphere", "label", "cut", "blade", "brush", "not", "and", "or"];
-const KEYS: &[&str] =
-    &["all", "plane", "at", "box", "sphere", "label", "cut", "blade", "brush", "not", "and", "or"];
-const EXPECTED: &str =
-    "\"all\" or a table with one of all, plane, box, sphere, label, cut, blade, brush, not, and, or";
+const KEYS: &[&str] = &["all", "plane", "at", "box", "sphere", "label", "cut", "blade", "brush", "not", "and", "or"];
+const EXPECTED: &str = "\"all\" or a table with one of all, plane, box, sphere, label, cut, blade, brush, not, and, or";
 
 /// Reads a selector: `"all"`, `{ plane = "x", at = "min" }`, `{ box = [[..], [..]] }` and so on.
 pub fn read_selector(item: &Item) -> Reading<Selector> {

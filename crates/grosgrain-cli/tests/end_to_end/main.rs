@@ -1,6 +1,7 @@
 //! The program as a user runs it: whole runs, what they write, and what they refuse.
 
 mod accepted_runs;
+mod edits;
 mod interruption;
 mod models;
 mod program;

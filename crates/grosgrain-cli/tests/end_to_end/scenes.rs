@@ -44,18 +44,19 @@ fn every_scene_runs_and_writes_what_it_says() {
         let own = (name != "torso").then(|| simulate(&format!("scenes/{scene}")));
         let finished = own.as_ref().unwrap_or_else(|| torso());
         let report = json(&finished.folder.join("report.json"));
-        check_report(name, &report);
+        let steps = row.get("steps").map_or(0, |steps| steps.as_integer().unwrap() as usize);
+        check_report(name, &report, steps);
         let error = report["error"]["rms_percent"].as_f64().unwrap();
         let (expected, margin) = (number("error_percent"), number("margin"));
         assert!((error - expected).abs() <= margin, "{name}: {error} % instead of {expected} ± {margin} %");
         let volume = row["volume"].as_bool().unwrap();
-        check_files(name, finished, volume);
+        check_files(name, finished, (volume, steps));
         check_told(name, finished, error);
     }
 }
 
 /// The keys that scripts may count on.
-fn check_report(name: &str, report: &Value) {
+fn check_report(name: &str, report: &Value, steps: usize) {
     for key in ["title", "method"] {
         assert!(report[key].as_str().is_some_and(|text| !text.is_empty()), "{name}: {key} in {report}");
     }
@@ -68,23 +69,38 @@ fn check_report(name: &str, report: &Value) {
     for stage in ["body", "training", "fitting", "assembly", "solve", "fine", "output", "total"] {
         assert!(report["seconds"][stage].as_f64().is_some_and(|s| s >= 0.0), "{name}: {stage} in {report}");
     }
-    assert_eq!(report["edits"], Value::Array(Vec::new()), "{name}");
-    let frame = &report["frames"][0];
-    assert_eq!((frame["step"].as_u64(), frame["time"].as_f64()), (Some(0), Some(0.0)), "{name}: {frame}");
-    assert!(frame["energy"].as_f64().is_some_and(|e| e > 0.0), "{name}: {frame}");
-    assert_eq!(frame["error"], report["error"]["rms_percent"], "{name}");
+    let rows = |key: &str| report[key].as_array().unwrap().clone();
+    assert_eq!((rows("edits").len(), rows("frames").len()), (steps, steps + 1), "{name}");
+    for (row, step) in rows("edits").iter().zip(1..) {
+        let number = |key: &str| row[key].as_u64().unwrap();
+        assert!(number("step") == step && number("changed_cells") > 0, "{name}: {row}");
+        assert!(number("changed_fine_cells") >= number("changed_cells"), "{name}: {row}");
+        assert!(number("dirty_cells") >= number("changed_cells"), "{name}: {row}");
+        for stage in ["training", "fitting", "total"] {
+            assert!(row["seconds"][stage].as_f64().is_some_and(|s| s >= 0.0), "{name}: {stage} in {row}");
+        }
+    }
+    for (frame, step) in rows("frames").iter().zip(0..) {
+        assert_eq!(frame["step"].as_u64(), Some(step), "{name}: {frame}");
+        assert_eq!(frame["time"].as_f64().map(|t| t > 0.0), Some(step > 0), "{name}: {frame}");
+        assert!(frame["energy"].as_f64().is_some_and(|e| e > 0.0), "{name}: {frame}");
+    }
+    assert_eq!(rows("frames")[steps]["error"], report["error"]["rms_percent"], "{name}");
     assert!(report["error"]["energy_ratio"].as_f64().is_some_and(|r| r > 0.0), "{name}: {report}");
 }
 
-fn check_files(name: &str, finished: &Finished, volume: bool) {
-    let mut expected = vec!["body.pvd", "body_0000.vtu", "coarse.pvd", "coarse_0000.vtu"];
-    expected.extend(volume.then_some("deformed.nii.gz"));
-    expected.extend(["picture.png", "report.json"]);
+fn check_files(name: &str, finished: &Finished, (volume, steps): (bool, usize)) {
+    let frames = |series: &str| (0..=steps).map(|n| format!("{series}_{n:04}.vtu")).collect::<Vec<_>>();
+    let mut expected = [frames("body"), frames("coarse")].concat();
+    expected.extend(["body.pvd", "coarse.pvd", "picture.png", "report.json"].map(String::from));
+    expected.extend(volume.then(|| "deformed.nii.gz".into()));
+    expected.extend((steps > 0).then(|| "picture_0000.png".into()));
+    expected.sort();
     assert_eq!(names(&finished.folder), expected, "{name}: exactly these files, none half-written");
     for series in ["body", "coarse"] {
         let list = std::fs::read_to_string(finished.folder.join(format!("{series}.pvd"))).unwrap();
         let listed: Vec<&str> = list.split("file=\"").skip(1).filter_map(|rest| rest.split('"').next()).collect();
-        assert_eq!(listed, [format!("{series}_0000.vtu")], "{name}: {list}");
+        assert_eq!(listed, frames(series), "{name}: {list}");
     }
     let decoder =
         png::Decoder::new(std::io::BufReader::new(std::fs::File::open(finished.folder.join("picture.png")).unwrap()));

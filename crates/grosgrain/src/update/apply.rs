@@ -38,8 +38,8 @@ impl Editor {
 
     /// Changes the model as resolved; `held` marks the nodes of the lattice that hold the body.
     ///
-    /// Where cells were removed or added, parts that hang on nothing are searched, and dropped where that is the policy, as a part of the same
-    /// update. Nothing to change is no update: it cannot be undone.
+    /// Where cells were removed or added, parts that hang on nothing are searched, and dropped where that is the policy, as a part of
+    /// the same update. Nothing to change is no update: it cannot be undone.
     ///
     /// # Errors
     /// Changes that the model refuses, or that leave nothing that is held while loose parts are dropped. The model is then as

@@ -34,6 +34,7 @@ pub struct SceneSummary {
     coarse_unknowns: usize,
     fixes: usize,
     loads: usize,
+    edits: usize,
     direct_bytes: f64,
     iterative_bytes: f64,
 }
@@ -84,6 +85,7 @@ fn summary(scene: &Scene, body: &Body) -> SceneSummary {
         coarse_unknowns: 3 * coarse_nodes,
         fixes: scene.fixes.len(),
         loads: scene.loads.len(),
+        edits: scene.edits.len(),
         direct_bytes: memory::direct(3 * fine_nodes),
         iterative_bytes: memory::iterative(3 * fine_nodes),
     }
@@ -147,6 +149,9 @@ impl SceneSummary {
         ];
         rows.extend(self.materials.iter().map(MaterialSummary::row));
         rows.push(row("conditions", format!("{} fixed, {} loaded", count(self.fixes), count(self.loads))));
+        if self.edits > 0 {
+            rows.push(row("edits", count(self.edits)));
+        }
         rows.push(row("fine model", model_size(self.solid_cells, self.fine_nodes, self.fine_unknowns)));
         let coarse = model_size(self.coarse_cells, self.coarse_nodes, self.coarse_unknowns);
         rows.push(row("coarse model", format!("{coarse}, at degree {}", self.degree)));

@@ -1,0 +1,67 @@
+//! The loads of a scene where the unedited body has them.
+
+use grosgrain::fine::{FineModel, gravity, node_forces, traction};
+
+use crate::failure::Failure;
+use crate::scene::{Load, LoadKind, Scene};
+
+/// The loads of a scene with the nodes that their selectors pick on the unedited body.
+#[derive(Clone, Debug)]
+pub struct PlacedLoads {
+    loads: Vec<PlacedLoad>,
+}
+
+#[derive(Clone, Debug)]
+enum PlacedLoad {
+    /// Acceleration \[m/s²\].
+    Gravity([f64; 3]),
+    /// Marked nodes and a stress \[Pa\] on the faces between them.
+    Traction(Vec<bool>, [f64; 3]),
+    /// Marked nodes and the total force \[N\] on them.
+    Force(Vec<bool>, [f64; 3]),
+}
+
+impl PlacedLoads {
+    /// Finds the nodes of every load.
+    ///
+    /// # Errors
+    /// A selection without a node of the body, or for a traction without a face of its surface.
+    pub fn new(scene: &Scene, model: &FineModel) -> Result<Self, Failure> {
+        let place = |load: &Load| {
+            let refuse = |error: String| Failure::from(scene.unusable(&load.key, error));
+            let nodes = |selection: &grosgrain::mesh::Selector| {
+                selection.nodes(model.grid()).map_err(|error| refuse(format!("where: {error}")))
+            };
+            match &load.kind {
+                LoadKind::Gravity(acceleration) => Ok(PlacedLoad::Gravity(*acceleration)),
+                LoadKind::Force(selection, force) => Ok(PlacedLoad::Force(nodes(selection)?.mask, *force)),
+                LoadKind::Traction(selection, stress) => {
+                    let mask = nodes(selection)?.mask;
+                    match traction(model, &mask, *stress).1 > 0.0 {
+                        true => Ok(PlacedLoad::Traction(mask, *stress)),
+                        false => Err(refuse(
+                            "the selection holds no whole face of the body's surface; a traction needs all four nodes of a face, enlarge it"
+                                .into(),
+                        )),
+                    }
+                }
+            }
+        };
+        Ok(Self { loads: scene.loads.iter().map(place).collect::<Result<_, _>>()? })
+    }
+
+    /// The sum of all loads on a model, three forces \[N\] per lattice node: weight, tractions on the faces and forces on the nodes
+    /// that the model has at the places of the loads.
+    pub fn assemble(&self, model: &FineModel) -> Vec<f64> {
+        let mut sum = vec![0.0; 3 * model.grid().lattice.node_count()];
+        for load in &self.loads {
+            let forces = match load {
+                PlacedLoad::Gravity(acceleration) => gravity(model, *acceleration),
+                PlacedLoad::Traction(mask, stress) => traction(model, mask, *stress).0,
+                PlacedLoad::Force(mask, force) => node_forces(model, mask, *force),
+            };
+            sum.iter_mut().zip(forces).for_each(|(total, force)| *total += force);
+        }
+        sum
+    }
+}
