@@ -35,7 +35,7 @@ impl Training {
         let cutter = CellCutter::new(partition, model.grid().spacing);
         let matrices = elements.iter().map(|&element| {
             let nodes: Vec<Node> = partition.fine_nodes(element.cell).collect();
-            let known = known_nodes(mesh, element, &nodes, model.active());
+            let known = known_nodes(mesh, element, (&nodes, model.active()), false);
             cutter.cut(&nodes, &known, &harmonic.displacements)
         });
         Self::from_parts(cutter.rows(), PerElement::new(elements.to_vec(), matrices.collect()))
@@ -75,12 +75,19 @@ impl Training {
     }
 }
 
-/// Which of the coarse cell's fine `nodes` the data of an element are cut from: its own; in a mesh that does not split all that are
-/// `active` on the lattice of the displacements, because what hangs together is not told apart there.
-pub(super) fn known_nodes(mesh: &CoarseMesh, element: CellPart, nodes: &[Node], active: &[bool]) -> Vec<bool> {
-    match mesh.splits() {
-        true => mesh.touched_nodes(element),
-        false => nodes.iter().map(|n| active[n.0]).collect(),
+/// Which of the coarse cell's fine `nodes` the data of an element are cut from: all that move with its material
+/// ([`CoarseMesh::tied_nodes`]), or where the displacements are those of the `cell_alone` its own. In a mesh that does not split all
+/// that are `active` on the lattice of the displacements, because what hangs together is not told apart there.
+pub(super) fn known_nodes(
+    mesh: &CoarseMesh,
+    element: CellPart,
+    (nodes, active): (&[Node], &[bool]),
+    cell_alone: bool,
+) -> Vec<bool> {
+    match (mesh.splits(), cell_alone) {
+        (true, true) => mesh.touched_nodes(element),
+        (true, false) => mesh.tied_nodes(element),
+        (false, _) => nodes.iter().map(|n| active[n.0]).collect(),
     }
 }
 

@@ -101,8 +101,10 @@ impl LocalTrainer {
         let matrices = solved.map(|active| {
             let nodes = self.nodes_in(domain, cell);
             let cutter = CellCutter::new(&self.partition, model.grid().spacing);
-            let cut =
-                |part: &CellPart| cutter.cut(&nodes, &known_nodes(mesh, *part, &nodes, &active), &workspace.fields);
+            let cut = |part: &CellPart| {
+                let known = known_nodes(mesh, *part, (&nodes, &active), self.kind == RingKind::SingleCell);
+                cutter.cut(&nodes, &known, &workspace.fields)
+            };
             parts.iter().map(cut).collect()
         });
         lock(&self.idle).entry(domain.cells).or_default().push(workspace);
