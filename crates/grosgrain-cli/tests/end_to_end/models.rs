@@ -40,6 +40,7 @@ fn the_model_file_has_the_documented_arrays_and_no_others() {
         "mass",
         "nodes",
         "origin",
+        "part",
         "shape_functions",
         "spacing",
         "stiffness",

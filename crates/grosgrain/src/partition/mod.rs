@@ -1,4 +1,14 @@
-//! Coarse cells and the fine cells they hold.
+//! Coarse cells, the fine cells they hold, and the mesh of their connected parts.
+
+mod carry;
+mod coarse_mesh;
+mod copies;
+mod parts;
+mod per_element;
+
+pub use coarse_mesh::{CoarseMesh, Vertex};
+pub use parts::CellPart;
+pub use per_element::PerElement;
 
 use crate::mesh::{Cell, Lattice, Node};
 

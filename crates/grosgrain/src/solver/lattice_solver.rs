@@ -136,13 +136,8 @@ impl LatticeSystem<'_> {
         let columns = block.len() / (3 * active.len());
         let mut solver = DirectSolver::for_large(analysed, columns)?;
         solver.factor(self.cells, &self.support(active))?;
-        let relative_residual = solver.solve_in_place(block);
-        match relative_residual <= TOLERANCE {
-            true => Ok(SolveReport { kind: "cholesky", reason, unknowns, iterations: 0, relative_residual }),
-            false => {
-                Err(SolverError::Inaccurate { residual: relative_residual, tolerance: TOLERANCE, order: unknowns })
-            }
-        }
+        let relative_residual = SolverError::check(solver.solve_in_place(block), unknowns)?;
+        Ok(SolveReport { kind: "cholesky", reason, unknowns, iterations: 0, relative_residual })
     }
 
     fn support(&self, active: &[bool]) -> Support {

@@ -1,12 +1,15 @@
-//! Solving lattice systems: Cholesky in nested-dissection order, or conjugate gradients with multigrid.
+//! Solving lattice systems and meshes of elements: Cholesky in nested-dissection order, or conjugate gradients with multigrid.
 
 mod direct;
+mod element_system;
 mod free_support;
 mod lattice_solver;
 pub mod multigrid;
+mod refined_cholesky;
 mod rigid_motions;
 
 pub use direct::{AnalysedLattice, DirectSolver, SolverError, Support};
+pub use element_system::ElementSystem;
 pub use free_support::{free_support, six_components};
 pub use lattice_solver::{Hold, LatticeSystem, SolveReport, SolverChoice};
 pub use multigrid::{Cycle, Multigrid, MultigridError, MultigridParameters};

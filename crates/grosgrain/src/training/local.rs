@@ -6,13 +6,13 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use rayon::prelude::*;
 
-use super::cell_data::CellCutter;
+use super::cell_data::{CellCutter, known_nodes};
 use super::condensed::{CondensedPlan, CondensedShape, CondensedSolver, CoreDisplacements};
 use super::{Training, TrainingError};
 use crate::assembly::{CellStiffness, LatticePattern, Window, active_nodes};
 use crate::fine::{FineModel, HARMONIC_FIELDS, constant_stress_loads};
 use crate::mesh::{Cell, Lattice, Node, hull};
-use crate::partition::{CellBox, CoarseCell, Partition};
+use crate::partition::{CellBox, CellPart, CoarseCell, CoarseMesh, Partition, PerElement};
 use crate::progress::Progress;
 use crate::solver::{AnalysedLattice, DirectSolver, SolverError, TOLERANCE, free_support};
 
@@ -62,55 +62,67 @@ impl LocalTrainer {
         }
     }
 
-    /// Training data of the listed cells, in parallel over cells.
+    /// Training data of the listed elements of `mesh` (ascending), in parallel over coarse cells.
     ///
     /// # Errors
     /// When a local problem is not solved, or the callback interrupts.
     pub fn train(
         &self,
         model: &FineModel,
-        cells: &[CoarseCell],
+        mesh: &CoarseMesh,
+        elements: &[CellPart],
         progress: Progress<'_>,
     ) -> Result<Training, TrainingError> {
         // Cells after the first failure are skipped, so that the same one is reported whatever the threads do.
         let (done, failed) = (AtomicUsize::new(0), AtomicUsize::new(usize::MAX));
-        let matrices: Vec<Result<Vec<f64>, TrainingError>> = cells
+        let cells: Vec<&[CellPart]> = elements.chunk_by(|a, b| a.cell == b.cell).collect();
+        let matrices: Vec<Result<Vec<Box<[f64]>>, TrainingError>> = cells
             .par_iter()
             .enumerate()
-            .map(|(index, &cell)| {
+            .map(|(index, parts)| {
                 if failed.load(Ordering::Relaxed) < index {
                     return Err(TrainingError::Interrupted);
                 }
-                let matrix = self.train_cell(model, cell).map_err(|source| {
+                let matrices = self.train_cell(model, mesh, parts).map_err(|source| {
                     failed.fetch_min(index, Ordering::Relaxed);
-                    self.failure(cell, source)
+                    self.failure(parts[0].cell, source)
                 })?;
                 let count = done.fetch_add(1, Ordering::Relaxed) + 1;
                 if !progress("training", count, cells.len()) {
                     failed.store(0, Ordering::Relaxed);
                     return Err(TrainingError::Interrupted);
                 }
-                Ok(matrix)
+                Ok(matrices)
             })
             .collect();
-        let matrices: Result<Vec<Vec<f64>>, TrainingError> = matrices.into_iter().collect();
-        let rows = 3 * self.partition.nodes_per_cell();
-        Ok(Training::from_parts(cells.to_vec(), rows, matrices?.concat()))
+        let matrices: Result<Vec<Vec<Box<[f64]>>>, TrainingError> = matrices.into_iter().collect();
+        let matrices = PerElement::new(elements.to_vec(), matrices?.into_iter().flatten().collect());
+        Ok(Training::from_parts(3 * self.partition.nodes_per_cell(), matrices))
     }
 
-    /// Training matrix of one cell, `3 (d + 1)³ × 6` row-major, on the calling thread.
+    /// Training matrices of some parts of one coarse cell, `3 (d + 1)³ × 6` row-major each, on the calling thread; no part, no matrix.
     ///
     /// # Errors
     /// When the local problem is not solved.
-    pub fn train_cell(&self, model: &FineModel, cell: CoarseCell) -> Result<Vec<f64>, SolverError> {
+    pub fn train_cell(
+        &self,
+        model: &FineModel,
+        mesh: &CoarseMesh,
+        parts: &[CellPart],
+    ) -> Result<Vec<Box<[f64]>>, SolverError> {
+        let Some(cell) = parts.first().map(|part| part.cell) else { return Ok(Vec::new()) };
         let domain = self.domain(cell);
-        if let Some(matrix) = self.train_condensed(model, cell, domain) {
-            return Ok(matrix);
+        if let Some(matrices) = self.train_condensed(model, mesh, parts, (cell, domain)) {
+            return Ok(matrices);
         }
         let mut workspace = self.take(domain.cells)?;
-        let outcome = self.solve(model, cell, domain, &mut workspace);
+        let solved = solve(model, domain, &mut workspace);
+        let matrices = solved.map(|active| {
+            let nodes = self.nodes_in(domain, cell);
+            self.cut(mesh, parts, (&nodes, &active, &workspace.fields), model.grid().spacing)
+        });
         lock(&self.idle).entry(domain.cells).or_default().push(workspace);
-        outcome
+        matrices
     }
 
     fn domain(&self, cell: CoarseCell) -> CellBox {
@@ -121,7 +133,13 @@ impl LocalTrainer {
     }
 
     /// By elimination from outside in; `None` where that cannot tell motions without stiffness from soft ones.
-    fn train_condensed(&self, model: &FineModel, cell: CoarseCell, domain: CellBox) -> Option<Vec<f64>> {
+    fn train_condensed(
+        &self,
+        model: &FineModel,
+        mesh: &CoarseMesh,
+        parts: &[CellPart],
+        (cell, domain): (CoarseCell, CellBox),
+    ) -> Option<Vec<Box<[f64]>>> {
         let own = self.partition.cell_box(cell).start;
         let core = std::array::from_fn(|a| own[a] - domain.start[a]);
         let shape = CondensedShape { cells: domain.cells, core, degree: self.partition.degree() };
@@ -131,7 +149,7 @@ impl LocalTrainer {
         lock(&self.condensed).entry(shape).or_default().idle.push(solver);
         let CoreDisplacements { active, fields } = found?;
         let nodes: Vec<Node> = (0..active.len()).map(Node).collect();
-        Some(CellCutter::new(&self.partition, spacing).cut(&nodes, &active, &fields))
+        Some(self.cut(mesh, parts, (&nodes, &active, &fields), spacing))
     }
 
     fn condensed(&self, shape: CondensedShape) -> Option<CondensedSolver> {
@@ -146,27 +164,20 @@ impl LocalTrainer {
         pool.plan.clone().map(CondensedSolver::new)
     }
 
-    fn solve(
+    /// One matrix for each of the parts, cut out of displacements on a lattice with these active nodes, of which `nodes` are the cell's.
+    fn cut(
         &self,
-        model: &FineModel,
-        cell: CoarseCell,
-        domain: CellBox,
-        workspace: &mut Workspace,
-    ) -> Result<Vec<f64>, SolverError> {
-        let window = Window::new(model, domain.start, domain.cells);
-        let lattice = window.lattice();
-        let void: Vec<bool> = (0..lattice.cell_count()).map(|c| window.stiffness(c).is_none()).collect();
-        let active = active_nodes(&window);
-        let spacing = model.grid().spacing;
-        constant_stress_loads(lattice, spacing, &hull(&void, &lattice), &mut workspace.fields);
-        workspace.solver.factor(&window, &free_support(lattice, spacing, &void, &active))?;
-        let residual = workspace.solver.solve_in_place(&mut workspace.fields);
-        if residual.is_nan() || residual > TOLERANCE {
-            let order = workspace.solver.analysed().pattern().order();
-            return Err(SolverError::Inaccurate { residual, tolerance: TOLERANCE, order });
-        }
-        let nodes = self.nodes_in(domain, cell);
-        Ok(CellCutter::new(&self.partition, spacing).cut(&nodes, &active, &workspace.fields))
+        mesh: &CoarseMesh,
+        parts: &[CellPart],
+        (nodes, active, fields): (&[Node], &[bool], &[f64]),
+        spacing: [f64; 3],
+    ) -> Vec<Box<[f64]>> {
+        let cutter = CellCutter::new(&self.partition, spacing);
+        let cut = |part: &CellPart| {
+            let known = known_nodes(mesh, *part, (nodes, active), self.kind == RingKind::SingleCell);
+            cutter.cut(nodes, &known, fields)
+        };
+        parts.iter().map(cut).collect()
     }
 
     /// The coarse cell's fine nodes as nodes of the domain's own lattice.
@@ -205,6 +216,23 @@ impl LocalTrainer {
     }
 }
 
+/// Solves for the six harmonic displacements of the domain; returns which of its nodes touch a solid cell.
+fn solve(model: &FineModel, domain: CellBox, workspace: &mut Workspace) -> Result<Vec<bool>, SolverError> {
+    let window = Window::new(model, domain.start, domain.cells);
+    let lattice = window.lattice();
+    let void: Vec<bool> = (0..lattice.cell_count()).map(|c| window.stiffness(c).is_none()).collect();
+    let active = active_nodes(&window);
+    let spacing = model.grid().spacing;
+    constant_stress_loads(lattice, spacing, &hull(&void, &lattice), &mut workspace.fields);
+    workspace.solver.factor(&window, &free_support(lattice, spacing, &void, &active))?;
+    let residual = workspace.solver.solve_in_place(&mut workspace.fields);
+    if residual.is_nan() || residual > TOLERANCE {
+        let order = workspace.solver.analysed().pattern().order();
+        return Err(SolverError::Inaccurate { residual, tolerance: TOLERANCE, order });
+    }
+    Ok(active)
+}
+
 /// A thread that panicked leaves the pools as they were: both hold finished values only.
 fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
@@ -215,7 +243,6 @@ mod tests {
     use super::*;
     use crate::material::{Elasticity, IsotropicMaterial, Material, MaterialTable};
     use crate::mesh::{Components, Label, Neighbourhood, VoxelGrid};
-    use crate::progress::silent;
     use proptest::prelude::*;
 
     fn body(cells: [usize; 3], labels: &[u8], ratio: f64) -> FineModel {
@@ -236,6 +263,7 @@ mod tests {
     /// returns how many went outside in.
     fn compare(model: &FineModel, degree: usize, kind: RingKind, tolerance: f64) -> usize {
         let partition = Partition::new(model.lattice(), degree).unwrap();
+        let mesh = CoarseMesh::new(&model.grid().void, &partition);
         let trainer = LocalTrainer::new(&partition, kind);
         let mut condensed = 0;
         for cell in (0..partition.coarse().cell_count()).map(CoarseCell) {
@@ -248,13 +276,18 @@ mod tests {
             if Components::new(&void, &window.lattice(), Neighbourhood::Faces).count() != 1 {
                 continue;
             }
-            let Some(found) = trainer.train_condensed(model, cell, domain) else { continue };
+            let parts = &mesh.elements()[mesh.elements_of(cell)];
+            let Some(found) = trainer.train_condensed(model, &mesh, parts, (cell, domain)) else { continue };
             condensed += 1;
             let mut workspace = trainer.take(domain.cells).unwrap();
-            let expected = trainer.solve(model, cell, domain, &mut workspace).unwrap();
-            let size = expected.iter().fold(0.0f64, |m, x| m.max(x.abs()));
-            let error = found.iter().zip(&expected).fold(0.0f64, |m, (a, b)| m.max((a - b).abs()));
-            assert!(error <= tolerance * size, "cell {cell:?}: {error} of {size}");
+            let active = solve(model, domain, &mut workspace).unwrap();
+            let fields = (&trainer.nodes_in(domain, cell)[..], &active[..], &workspace.fields[..]);
+            let expected = trainer.cut(&mesh, parts, fields, model.grid().spacing);
+            for (found, expected) in found.iter().zip(&expected) {
+                let size = expected.iter().fold(0.0f64, |m, x| m.max(x.abs()));
+                let error = found.iter().zip(expected).fold(0.0f64, |m, (a, b)| m.max((a - b).abs()));
+                assert!(error <= tolerance * size, "cell {cell:?}: {error} of {size}");
+            }
         }
         condensed
     }
@@ -290,14 +323,15 @@ mod tests {
         let cut = body(cells, &labels, 50.0);
         let alone: Vec<u8> = (0..96).map(|n| if n % 6 <= 2 { 0 } else { labels[n] }).collect();
         let partition = Partition::new(cut.lattice(), 2).unwrap();
-        let last = CoarseCell(2);
-        let train = |model: &FineModel| {
-            LocalTrainer::new(&partition, RingKind::OneRing).train(model, &[last], &silent).unwrap().of(0).to_vec()
-        };
+        let last = CellPart::whole(CoarseCell(2));
         let trainer = LocalTrainer::new(&partition, RingKind::OneRing);
-        assert!(trainer.train_condensed(&cut, last, trainer.domain(last)).is_some());
+        let train = |model: &FineModel| {
+            let mesh = CoarseMesh::new(&model.grid().void, &partition);
+            let place = (last.cell, trainer.domain(last.cell));
+            trainer.train_condensed(model, &mesh, &[last], place).unwrap().remove(0)
+        };
         let (both, one) = (train(&cut), train(&body(cells, &alone, 50.0)));
         let size = one.iter().fold(0.0f64, |m, x| m.max(x.abs()));
-        assert!(both.iter().zip(&one).all(|(a, b)| (a - b).abs() < 1e-9 * size));
+        assert!(both.iter().zip(one.iter()).all(|(a, b)| (a - b).abs() < 1e-9 * size));
     }
 }

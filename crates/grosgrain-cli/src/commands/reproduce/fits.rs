@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use grosgrain::coarsening::{BaseFunctions, Fitter, PerNode, Systems, fit_coupled};
 use grosgrain::fine::FineModel;
-use grosgrain::partition::{CoarseCell, Partition};
+use grosgrain::partition::{CellPart, CoarseCell, CoarseMesh, Partition};
 use grosgrain::training::{LocalTrainer, RingKind};
 
 use crate::failure::Failure;
@@ -72,7 +72,9 @@ impl FitCase {
         let failed = |error: &dyn std::fmt::Display| Failure::Failed(error.to_string());
         let spacing = model.grid().spacing;
         let partition = Partition::new(model.grid().lattice, degree).map_err(|error| failed(&error))?;
-        let training = LocalTrainer::new(&partition, ring).train_cell(model, cell).map_err(|error| failed(&error))?;
+        let mesh = CoarseMesh::new(&model.grid().void, &partition);
+        let data = LocalTrainer::new(&partition, ring).train_cell(model, &mesh, &[CellPart::whole(cell)]);
+        let training = data.map_err(|error| failed(&error))?.concat();
         let base = BaseFunctions::harmonic(degree, spacing).map_err(|error| failed(&error))?;
         let fitter = Fitter::new(&partition, spacing, &Arc::new(base));
         let per_node = PerNode::new(&partition, spacing, fitter.base());

@@ -102,7 +102,7 @@ fn rebuilt(case: &Case, kind: TrainingKind, progress: &Progress) -> Result<f64, 
     let built = build(&case.model, case.degree, &options, &report);
     progress.close();
     let built = built.map_err(|error| failed(&error))?;
-    let coarse = solve_coarse(&case.model, &built.model, &case.fixed, &case.loads, &report);
+    let coarse = solve_coarse(&built.model, &case.fixed, &case.loads, &report);
     progress.close();
     let coarse = coarse.map_err(|error| failed(&format!("the coarse model: {error}")))?;
     Ok(100.0 * relative_error(&coarse.displacement, &case.fine.displacement))

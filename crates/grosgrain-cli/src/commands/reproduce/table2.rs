@@ -1,6 +1,6 @@
 //! Table 2: times of the training data of one interior cell.
 
-use grosgrain::partition::{CoarseCell, Partition};
+use grosgrain::partition::{CellPart, CoarseCell, CoarseMesh, Partition};
 use grosgrain::training::{LocalTrainer, RingKind};
 
 use super::bodies::{Heterogeneity, fine_model};
@@ -62,7 +62,8 @@ fn time(degree: usize, kind: DataKind) -> Result<Option<Spread>, Failure> {
     let model = fine_model(Heterogeneity::Oblique.ring(degree)?)?;
     let partition = Partition::new(model.grid().lattice, degree).map_err(|error| failed(&error))?;
     let trainer = LocalTrainer::new(&partition, ring);
-    measure(|| trainer.train_cell(&model, CENTRE).map_err(|error| failed(&error))).map(Some)
+    let mesh = CoarseMesh::new(&model.grid().void, &partition);
+    measure(|| trainer.train_cell(&model, &mesh, &[CellPart::whole(CENTRE)]).map_err(|error| failed(&error))).map(Some)
 }
 
 /// Times every kind on one thread.
