@@ -3,6 +3,7 @@
 mod base;
 mod coupled;
 mod data_constraints;
+mod element_fitter;
 mod fit;
 mod per_node;
 mod shape_functions;
@@ -10,6 +11,7 @@ mod shape_functions;
 pub use base::{BaseFunctions, BaseKind};
 pub use coupled::{CoupledError, fit_coupled};
 pub use data_constraints::{DataConstraints, RANK_TOLERANCE};
+pub use element_fitter::ElementFitter;
 pub use fit::{FittedCell, Fitter};
 pub use per_node::{PerNode, Systems};
 pub use shape_functions::{Objective, ShapeFunctionError, ShapeFunctions};

@@ -1,15 +1,7 @@
 //! Shape functions of all coarse cells of a model.
 
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
-
-use rayon::prelude::*;
-
-use super::base::MaterialBase;
-use super::{BaseFunctions, BaseKind, COLUMNS, CoupledError, FittedCell, Fitter, fit_coupled};
-use crate::assembly::Window;
+use super::{BaseFunctions, BaseKind, COLUMNS, CoupledError, ElementFitter, FittedCell};
 use crate::fine::FineModel;
-use crate::mesh::Cell;
 use crate::partition::{CellPart, CoarseMesh, Partition, PerElement};
 use crate::progress::Progress;
 use crate::solver::SolverError;
@@ -65,9 +57,9 @@ pub struct ShapeFunctions {
 
 /// The functions of one element, and what their fit had to say where there was one.
 #[derive(Clone, Debug, PartialEq)]
-struct Fitted {
-    functions: Box<[f64]>,
-    fit: Option<FittedCell>,
+pub(super) struct Fitted {
+    pub functions: Box<[f64]>,
+    pub fit: Option<FittedCell>,
 }
 
 impl ShapeFunctions {
@@ -89,26 +81,12 @@ impl ShapeFunctions {
         (kind, objective): (BaseKind, Objective),
         progress: Progress<'_>,
     ) -> Result<Self, ShapeFunctionError> {
-        let cell_fit = CellFit::new(model, mesh, kind, objective)?;
-        let elements = training.elements();
-        let (done, stop) = (AtomicUsize::new(0), AtomicBool::new(false));
-        let fitted: Result<Vec<Fitted>, ShapeFunctionError> = elements
-            .par_iter()
-            .enumerate()
-            .map(|(index, &element)| {
-                if stop.load(Ordering::Relaxed) {
-                    return Err(ShapeFunctionError::Interrupted);
-                }
-                let mut functions = vec![0.0; cell_fit.fitter.len()].into_boxed_slice();
-                let fit = Some(cell_fit.fit(element, training.of(index), &mut functions)?);
-                let count = done.fetch_add(1, Ordering::Relaxed) + 1;
-                if !progress("fitting", count, elements.len()) {
-                    stop.store(true, Ordering::Relaxed);
-                }
-                Ok(Fitted { functions, fit })
-            })
-            .collect();
-        Ok(Self { rows: cell_fit.fitter.len() / COLUMNS, fitted: PerElement::new(elements.to_vec(), fitted?) })
+        let fitter = ElementFitter::new(mesh.partition(), model.grid().spacing, (kind, objective))?;
+        fitter.fit(model, mesh, training, progress)
+    }
+
+    pub(super) fn from_fits(rows: usize, fitted: PerElement<Fitted>) -> Self {
+        Self { rows, fitted }
     }
 
     /// The elements, in the order of their functions.
@@ -142,69 +120,5 @@ impl ShapeFunctions {
     /// Panics when an element of `now` has no functions, old or renewed.
     pub fn replace(&mut self, now: &[CellPart], renewed: Self) {
         self.fitted.replace(now, renewed.fitted);
-    }
-}
-
-struct CellFit<'a> {
-    model: &'a FineModel,
-    mesh: &'a CoarseMesh,
-    kind: BaseKind,
-    objective: Objective,
-    fitter: Fitter,
-    /// Extension problems with their analysis and workspace, waiting for the next cell.
-    idle: Mutex<Vec<MaterialBase>>,
-}
-
-impl<'a> CellFit<'a> {
-    fn new(
-        model: &'a FineModel,
-        mesh: &'a CoarseMesh,
-        kind: BaseKind,
-        objective: Objective,
-    ) -> Result<Self, ShapeFunctionError> {
-        if objective == Objective::Coupled && kind != BaseKind::Harmonic {
-            return Err(ShapeFunctionError::CoupledBase);
-        }
-        let (partition, spacing) = (mesh.partition(), model.grid().spacing);
-        let base = match kind {
-            BaseKind::Harmonic => BaseFunctions::harmonic(partition.degree(), spacing)
-                .map_err(|source| ShapeFunctionError::Base { at: [0; 3], source })?,
-            BaseKind::Trilinear | BaseKind::Material => BaseFunctions::trilinear(partition.degree()),
-        };
-        let fitter = Fitter::new(partition, spacing, &Arc::new(base));
-        Ok(Self { model, mesh, kind, objective, fitter, idle: Mutex::default() })
-    }
-
-    fn fit(
-        &self,
-        element: CellPart,
-        training: &[f64],
-        functions: &mut [f64],
-    ) -> Result<FittedCell, ShapeFunctionError> {
-        let partition = self.mesh.partition();
-        let at = partition.coarse().cell_position(Cell(element.cell.0));
-        match (self.objective, self.kind) {
-            (Objective::Coupled, _) => {
-                let (solution, fit) = fit_coupled(partition, self.model.grid().spacing, training)
-                    .map_err(|source| ShapeFunctionError::Coupled { at, source })?;
-                functions.copy_from_slice(&solution);
-                Ok(fit)
-            }
-            (_, BaseKind::Material) => {
-                let own = self.material_functions(&self.mesh.window(self.model, element));
-                functions.copy_from_slice(&own.map_err(|source| ShapeFunctionError::Base { at, source })?);
-                Ok(self.fitter.fit_own_base(training, functions))
-            }
-            _ => Ok(self.fitter.fit_into(training, functions)),
-        }
-    }
-
-    fn material_functions(&self, cells: &Window<'_>) -> Result<Vec<f64>, SolverError> {
-        // A thread that panicked leaves the list as it was: it holds finished values only.
-        let waiting = self.idle.lock().unwrap_or_else(PoisonError::into_inner).pop();
-        let mut base = waiting.map_or_else(|| MaterialBase::new(self.mesh.partition().degree()), Ok)?;
-        let functions = base.functions(cells);
-        self.idle.lock().unwrap_or_else(PoisonError::into_inner).push(base);
-        functions
     }
 }

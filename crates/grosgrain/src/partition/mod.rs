@@ -131,6 +131,12 @@ impl Partition {
         })
     }
 
+    /// The coarse cell that holds a fine cell.
+    pub fn coarse_cell_of(&self, fine: Cell) -> CoarseCell {
+        let at = self.fine.cell_position(fine).map(|x| x / self.degree);
+        CoarseCell(self.coarse.cell(at).0)
+    }
+
     /// Corner nodes of a coarse cell in the coarse lattice, x fastest.
     pub fn corners(&self, cell: CoarseCell) -> [CoarseNode; 8] {
         self.coarse.corners(Cell(cell.0)).map(|n| CoarseNode(n.0))

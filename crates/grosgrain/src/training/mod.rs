@@ -7,12 +7,14 @@ mod global;
 mod harmonic_solver;
 mod local;
 mod rigid;
+mod trainer;
 
 pub use cell_data::Training;
 pub use cost::{RunTimeTraining, TrainingCost, run_time_training};
 pub use global::HarmonicDisplacements;
 pub use harmonic_solver::{HarmonicSolver, REFACTOR_LIMIT};
 pub use local::{LocalTrainer, RingKind};
+pub use trainer::Trainer;
 
 use crate::fine::FineModel;
 use crate::partition::{CellPart, CoarseMesh};

@@ -94,6 +94,14 @@ impl Editor {
         Ok(done.then_some(&self.changed))
     }
 
+    /// Makes the model again what it was before an undoing: `states` of the cells that were set back. It can be undone like an update.
+    ///
+    /// # Errors
+    /// As [`History::change`].
+    pub fn redo(&mut self, model: &mut FineModel, states: &[(Cell, CellState)]) -> Result<(), EditError> {
+        Ok(self.history.change(model, states)?)
+    }
+
     /// What can be undone.
     pub fn history(&self) -> &History {
         &self.history

@@ -59,6 +59,11 @@ impl History {
         }
     }
 
+    /// What the newest entry sets back, in the order of its changes; nothing where there is no entry.
+    pub fn newest(&self) -> &[(Cell, CellState)] {
+        self.entries.back().map_or(&[], Vec::as_slice)
+    }
+
     /// Drops the oldest entries beyond the depth. Until this is called after a change, that change can be undone at any depth.
     pub fn trim(&mut self) {
         while self.entries.len() > self.depth {

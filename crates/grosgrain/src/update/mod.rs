@@ -4,10 +4,14 @@ mod apply;
 mod batch;
 mod edit;
 mod history;
+mod live;
 mod loose;
+mod report;
 
 pub use apply::{Applied, Editor};
 pub use batch::{Batch, resolve_all};
 pub use edit::{BatchError, Change, Edit, EditError, Region, Resolved};
 pub use history::History;
+pub use live::{CoarseState, LiveModel};
 pub use loose::{LooseParts, LooseReport, LooseSearch};
+pub use report::{LiveError, LiveOptions, UpdateReport, UpdateSeconds};

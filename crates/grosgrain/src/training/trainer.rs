@@ -1,0 +1,87 @@
+//! Training again and again while the body changes.
+
+use super::{HarmonicSolver, LocalTrainer, RingKind, Training, TrainingError, TrainingKind};
+use crate::fine::FineModel;
+use crate::mesh::{Cell, Lattice};
+use crate::partition::{CellPart, CoarseCell, CoarseMesh, Partition};
+use crate::progress::Progress;
+
+/// Trains the coarse cells of one partition again and again; what does not depend on the body's material is kept.
+pub struct Trainer {
+    partition: Partition,
+    engine: Engine,
+}
+
+enum Engine {
+    Global(Box<HarmonicSolver>),
+    Local(RingKind, LocalTrainer),
+}
+
+impl Trainer {
+    /// A trainer for bodies on the fine lattice of `partition`.
+    ///
+    /// # Errors
+    /// When a factor does not fit into memory.
+    pub fn new(partition: &Partition, kind: TrainingKind) -> Result<Self, TrainingError> {
+        let local = |kind| Engine::Local(kind, LocalTrainer::new(partition, kind));
+        let engine = match kind {
+            TrainingKind::Global => Engine::Global(Box::new(HarmonicSolver::new(partition.fine())?)),
+            TrainingKind::OneRing => local(RingKind::OneRing),
+            TrainingKind::SingleCell => local(RingKind::SingleCell),
+        };
+        Ok(Self { partition: *partition, engine })
+    }
+
+    /// The coarse cells whose data depend on what is in the `changed` ones, ascending: themselves for single-cell training, their
+    /// neighbours too for one-ring training, all for global training (`he2022fast`, §3.2).
+    pub fn reach(&self, changed: &[CoarseCell]) -> Vec<CoarseCell> {
+        let coarse = self.partition.coarse();
+        match &self.engine {
+            _ if changed.is_empty() => Vec::new(),
+            Engine::Global(_) => (0..coarse.cell_count()).map(CoarseCell).collect(),
+            Engine::Local(RingKind::OneRing, _) => neighbourhood(coarse, changed),
+            Engine::Local(RingKind::SingleCell, _) => ascending(changed.to_vec()),
+        }
+    }
+
+    /// Training data of the listed elements of `mesh` (ascending) for the body as it is now.
+    ///
+    /// # Errors
+    /// When a problem is not solved, or the callback interrupts.
+    pub fn train(
+        &mut self,
+        model: &FineModel,
+        mesh: &CoarseMesh,
+        elements: &[CellPart],
+        progress: Progress<'_>,
+    ) -> Result<Training, TrainingError> {
+        match &mut self.engine {
+            Engine::Global(solver) => {
+                let harmonic = solver.solve(model, progress)?;
+                Ok(Training::from_harmonic(model, mesh, elements, &harmonic))
+            }
+            Engine::Local(_, trainer) => trainer.train(model, mesh, elements, progress),
+        }
+    }
+}
+
+/// The cells and their 26 neighbours, ascending.
+fn neighbourhood(coarse: Lattice, cells: &[CoarseCell]) -> Vec<CoarseCell> {
+    let mut marked = vec![false; coarse.cell_count()];
+    for cell in cells {
+        let at = coarse.cell_position(Cell(cell.0));
+        let low = at.map(|x| x.saturating_sub(1));
+        let high: [usize; 3] = std::array::from_fn(|a| (at[a] + 2).min(coarse.cells[a]));
+        for (k, j) in (low[2]..high[2]).flat_map(|k| (low[1]..high[1]).map(move |j| (k, j))) {
+            let first = coarse.cell([low[0], j, k]).0;
+            marked[first..first + high[0] - low[0]].fill(true);
+        }
+    }
+    (0..marked.len()).filter(|c| marked[*c]).map(CoarseCell).collect()
+}
+
+fn ascending(mut cells: Vec<CoarseCell>) -> Vec<CoarseCell> {
+    cells.sort_unstable();
+    cells.dedup();
+    cells
+}

@@ -1,0 +1,196 @@
+//! A coarse model that stays true while its body is edited.
+
+use std::time::Instant;
+
+use super::{Edit, Editor, LiveError, LiveOptions, UpdateReport, resolve_all};
+use crate::coarse::CoarseModel;
+use crate::coarsening::{ElementFitter, Objective, ShapeFunctions};
+use crate::fine::{CellState, FineModel};
+use crate::mesh::Cell;
+use crate::partition::{CellPart, CoarseCell, CoarseMesh, Partition};
+use crate::progress::{Progress, silent};
+use crate::training::{Trainer, TrainingKind, run_time_training};
+
+/// Motion of the vertices of a coarse model, three numbers each; see [`CoarseMesh::vertices`].
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CoarseState {
+    /// Displacement \[m\].
+    pub displacement: Vec<f64>,
+    /// Velocity \[m/s\].
+    pub velocity: Vec<f64>,
+}
+
+/// A body, its coarse model and the motion of that, kept together through edits (`he2022fast`).
+///
+/// An edit changes fine cells. The coarse cells that hold them are *changed*, those whose training data reach into them *dirty*: only these are
+/// trained, fitted and assembled again. The result is that of a build from scratch with the same training.
+pub struct LiveModel {
+    fine: FineModel,
+    coarse: CoarseModel,
+    /// Displacement and velocity of the coarse vertices: yours to step; carried across edits.
+    pub state: CoarseState,
+    trainer: Trainer,
+    training: TrainingKind,
+    fitter: ElementFitter,
+    editor: Editor,
+    held: Vec<bool>,
+}
+
+impl LiveModel {
+    /// Coarsens a body. `held` marks the nodes of the fine lattice that hold it: parts that an edit cuts loose from them are dropped or
+    /// kept as the options say; with no node marked, parts that are loose from the largest one.
+    ///
+    /// # Errors
+    /// A degree that does not divide the lattice, training or fitting that fails, an interruption.
+    ///
+    /// # Panics
+    /// Panics when `held` has not one entry per node of the lattice.
+    pub fn new(
+        fine: FineModel,
+        degree: usize,
+        options: &LiveOptions,
+        held: Vec<bool>,
+        progress: Progress<'_>,
+    ) -> Result<Self, LiveError> {
+        assert_eq!(held.len(), fine.grid().lattice.node_count(), "one entry per node");
+        let partition = Partition::new(fine.grid().lattice, degree)?;
+        let void = &fine.grid().void;
+        let mesh =
+            if options.split { CoarseMesh::new(void, &partition) } else { CoarseMesh::unsplit(void, &partition) };
+        let training = run_time_training(&partition, options.training);
+        let mut trainer = Trainer::new(&partition, training)?;
+        let fitter = ElementFitter::new(&partition, fine.grid().spacing, (options.base, Objective::ClosedForm))?;
+        let data = trainer.train(&fine, &mesh, mesh.elements(), progress)?;
+        let functions = fitter.fit(&fine, &mesh, &data, progress)?;
+        let coarse = CoarseModel::galerkin(&fine, mesh, functions);
+        let unknowns = 3 * coarse.mesh().vertices().len();
+        let state = CoarseState { displacement: vec![0.0; unknowns], velocity: vec![0.0; unknowns] };
+        let editor = Editor::new(options.undo_depth.max(1), options.loose);
+        Ok(Self { fine, coarse, state, trainer, training, fitter, editor, held })
+    }
+
+    /// The body.
+    pub fn fine(&self) -> &FineModel {
+        &self.fine
+    }
+
+    /// Its coarse model.
+    pub fn coarse(&self) -> &CoarseModel {
+        &self.coarse
+    }
+
+    /// The training that was chosen.
+    pub fn training(&self) -> TrainingKind {
+        self.training
+    }
+
+    /// Number of updates that can be undone.
+    pub fn undo_depth(&self) -> usize {
+        self.editor.history().len()
+    }
+
+    /// Makes an edit and renews what depends on it.
+    ///
+    /// # Errors
+    /// As [`LiveModel::apply_all`].
+    pub fn apply(&mut self, edit: &Edit) -> Result<UpdateReport, LiveError> {
+        self.apply_all(std::slice::from_ref(edit), &silent)
+    }
+
+    /// Makes several edits, one after the other, as one update.
+    ///
+    /// # Errors
+    /// An edit that is refused, training or fitting that fails, an interruption. Body, coarse model and motion are then as they were.
+    pub fn apply_all(&mut self, edits: &[Edit], progress: Progress<'_>) -> Result<UpdateReport, LiveError> {
+        let start = Instant::now();
+        let resolved = resolve_all(edits, &self.fine)?;
+        let mut report = UpdateReport::default();
+        if resolved.changes.is_empty() {
+            report.seconds.total = start.elapsed().as_secs_f64();
+            return Ok(report);
+        }
+        let applied = self.editor.apply(&mut self.fine, &resolved, &self.held).map_err(LiveError::Edit)?;
+        let (changed, loose) = (applied.changed.to_vec(), applied.loose);
+        report.seconds.edit = start.elapsed().as_secs_f64();
+        report.loose = loose;
+        let topology = resolved.removed + resolved.added > 0;
+        match self.renew(&changed, topology, report, progress) {
+            Ok(mut report) => {
+                report.seconds.total = start.elapsed().as_secs_f64();
+                Ok(report)
+            }
+            Err(failure) => {
+                self.editor.undo(&mut self.fine).map_err(LiveError::Edit)?;
+                Err(failure)
+            }
+        }
+    }
+
+    /// Undoes the last update; `None` where there is none. The motion stays.
+    ///
+    /// # Errors
+    /// As [`LiveModel::apply_all`]; everything is then as it was.
+    pub fn undo(&mut self, progress: Progress<'_>) -> Result<Option<UpdateReport>, LiveError> {
+        let start = Instant::now();
+        let now: Vec<(Cell, CellState)> =
+            self.editor.history().newest().iter().map(|(cell, _)| (*cell, self.fine.state(*cell))).collect();
+        let Some(changed) = self.editor.undo(&mut self.fine).map_err(LiveError::Edit)? else { return Ok(None) };
+        let changed = changed.to_vec();
+        let topology = now.iter().any(|(cell, state)| state.void != self.fine.state(*cell).void);
+        match self.renew(&changed, topology, UpdateReport::default(), progress) {
+            Ok(mut report) => {
+                report.seconds.total = start.elapsed().as_secs_f64();
+                Ok(Some(report))
+            }
+            Err(failure) => {
+                self.editor.redo(&mut self.fine, &now).map_err(LiveError::Edit)?;
+                Err(failure)
+            }
+        }
+    }
+
+    /// Trains, fits and assembles what depends on the changed fine cells; nothing is taken over before all of it has succeeded.
+    fn renew(
+        &mut self,
+        changed: &[Cell],
+        topology: bool,
+        mut report: UpdateReport,
+        progress: Progress<'_>,
+    ) -> Result<UpdateReport, LiveError> {
+        let mut clock = Instant::now();
+        let mut lap = || std::mem::replace(&mut clock, Instant::now()).elapsed().as_secs_f64();
+        let coarse_changed = self.coarse_cells_of(changed);
+        let mut mesh = self.coarse.mesh().clone();
+        if topology {
+            mesh.update(&self.fine.grid().void, &coarse_changed);
+        }
+        let dirty = self.trainer.reach(&coarse_changed);
+        let elements: Vec<CellPart> =
+            dirty.iter().flat_map(|c| mesh.elements()[mesh.elements_of(*c)].iter().copied()).collect();
+        report.seconds.topology = lap();
+        let data = self.trainer.train(&self.fine, &mesh, &elements, progress)?;
+        report.seconds.training = lap();
+        let functions: ShapeFunctions = self.fitter.fit(&self.fine, &mesh, &data, progress)?;
+        report.seconds.fitting = lap();
+        if topology {
+            let old = self.coarse.mesh();
+            self.state.displacement = mesh.carry(old, &self.state.displacement);
+            self.state.velocity = mesh.carry(old, &self.state.velocity);
+        }
+        self.coarse.replace(&self.fine, mesh, functions);
+        report.seconds.assembly = lap();
+        report.changed_fine = changed.len();
+        report.changed = coarse_changed.len();
+        report.dirty = elements.len();
+        Ok(report)
+    }
+
+    /// The coarse cells that hold fine cells, ascending.
+    fn coarse_cells_of(&self, fine: &[Cell]) -> Vec<CoarseCell> {
+        let partition = self.coarse.partition();
+        let mut cells: Vec<CoarseCell> = fine.iter().map(|cell| partition.coarse_cell_of(*cell)).collect();
+        cells.sort_unstable();
+        cells.dedup();
+        cells
+    }
+}
