@@ -14,7 +14,7 @@ pub struct Trainer {
 
 enum Engine {
     Global(Box<HarmonicSolver>),
-    Local(RingKind, LocalTrainer),
+    Local(RingKind, Box<LocalTrainer>),
 }
 
 impl Trainer {
@@ -23,7 +23,7 @@ impl Trainer {
     /// # Errors
     /// When a factor does not fit into memory.
     pub fn new(partition: &Partition, kind: TrainingKind) -> Result<Self, TrainingError> {
-        let local = |kind| Engine::Local(kind, LocalTrainer::new(partition, kind));
+        let local = |kind| Engine::Local(kind, Box::new(LocalTrainer::new(partition, kind)));
         let engine = match kind {
             TrainingKind::Global => Engine::Global(Box::new(HarmonicSolver::new(partition.fine())?)),
             TrainingKind::OneRing => local(RingKind::OneRing),
