@@ -116,15 +116,12 @@ impl FineBody {
 }
 
 fn write_coarse(path: &Path, problem: &Problem, coarse: &CoarseModel, displacement: &[f64]) -> Result<(), VtkError> {
-    let partition = coarse.partition();
-    let nodes = coarse.nodes();
-    let points: Vec<[f64; 3]> =
-        nodes.iter().map(|n| problem.model.node_position(partition.coincident_node(*n))).collect();
-    let row_of = |node| nodes.binary_search(&node).unwrap_or_default();
-    let hexahedra: Vec<[usize; 8]> = coarse.cells().iter().map(|c| partition.corners(*c).map(row_of)).collect();
-    let vectors: Vec<[f64; 3]> = nodes.iter().map(|n| vector(displacement, n.0)).collect();
-    let still = vec![[0.0; 3]; nodes.len()];
-    let mass: Vec<f64> = nodes.iter().map(|n| coarse.mass()[n.0]).collect();
+    let mesh = coarse.mesh();
+    let position = |node| problem.model.node_position(mesh.partition().coincident_node(node));
+    let points: Vec<[f64; 3]> = mesh.vertices().iter().map(|vertex| position(vertex.node)).collect();
+    let hexahedra: Vec<[usize; 8]> = mesh.corners().iter().map(|corners| corners.map(|v| v as usize)).collect();
+    let vectors: Vec<[f64; 3]> = (0..points.len()).map(|vertex| vector(displacement, vertex)).collect();
+    let still = vec![[0.0; 3]; points.len()];
     let number: Vec<i32> = (0..hexahedra.len() as i32).collect();
     let grid = UnstructuredGrid {
         points: &points,
@@ -132,7 +129,7 @@ fn write_coarse(path: &Path, problem: &Problem, coarse: &CoarseModel, displaceme
         point_data: vec![
             array("displacement", Values::Vector(&vectors)),
             array("velocity", Values::Vector(&still)),
-            array("mass", Values::Scalar(&mass)),
+            array("mass", Values::Scalar(coarse.mass())),
         ],
         cell_data: vec![array("coarse_cell", Values::Integer(&number))],
         time: Some(0.0),
@@ -141,10 +138,7 @@ fn write_coarse(path: &Path, problem: &Problem, coarse: &CoarseModel, displaceme
 }
 
 fn coarse_cell_of(coarse: &CoarseModel, cell: Cell) -> i32 {
-    let partition = coarse.partition();
-    let at = partition.fine().cell_position(cell).map(|x| x / partition.degree());
-    let cell = grosgrain::partition::CoarseCell(partition.coarse().cell(at).0);
-    coarse.index_of(cell).map_or(-1, |index| index as i32)
+    coarse.mesh().element_at(cell).map_or(-1, |index| index as i32)
 }
 
 fn vector(field: &[f64], node: usize) -> [f64; 3] {

@@ -68,7 +68,7 @@ pub fn run_coarse(problem: &Problem, method: Method, progress: &Progress) -> Res
     let built = build_coarse(problem, method, progress)?;
     let start = Instant::now();
     let report = |stage, done, total| progress.report(stage, done, total);
-    let solution = solve_coarse(&problem.model, &built.model, &problem.fixed, &problem.loads, &report);
+    let solution = solve_coarse(&built.model, &problem.fixed, &problem.loads, &report);
     progress.close();
     let solution = solution.map_err(|error| failed(&format!("the coarse model: {error}")))?;
     let solved = start.elapsed().as_secs_f64();
@@ -112,8 +112,8 @@ fn tell_iterations(report: &SolveReport, duration: f64, progress: &Progress) {
 impl CoarseRun {
     /// Size of the coarse model.
     pub fn size(&self) -> ModelSize {
-        let nodes = self.built.model.nodes().len();
-        ModelSize { cells: self.built.model.cells().len(), nodes, unknowns: 3 * nodes }
+        let nodes = self.built.model.mesh().vertices().len();
+        ModelSize { cells: self.built.model.elements().len(), nodes, unknowns: 3 * nodes }
     }
 
     /// The difference from the fine model.
@@ -160,8 +160,8 @@ pub fn warn_of_softness(method: &str, energy_ratio: f64, progress: &Progress) {
 
 fn warn_of_fits(built: &Built, progress: &Progress) {
     let dropped = &built.report.rank_deficient;
-    if let Some((cell, fields)) = dropped.first() {
-        let at = built.model.partition().coarse().cell_position(grosgrain::mesh::Cell(cell.0));
+    if let Some((element, fields)) = dropped.first() {
+        let at = built.model.partition().coarse().cell_position(grosgrain::mesh::Cell(element.cell.0));
         progress.warn(&format!(
             "training fields depend on each other in {}, so some were dropped; the first cell, ({}, {}, {}), kept {fields} of 6",
             counted(dropped.len(), "coarse cell"),

@@ -96,7 +96,8 @@ impl Problem {
             Method::Average => grosgrain::coarse::Method::Average,
             Method::Coarsened(kind) => grosgrain::coarse::Method::Trained(kind),
         };
-        Some(BuildOptions { method, base: self.scene.coarsening.base, objective: self.scene.coarsening.objective })
+        let coarsening = &self.scene.coarsening;
+        Some(BuildOptions { method, base: coarsening.base, objective: coarsening.objective, split: coarsening.split })
     }
 
     /// Size of the fine model.

@@ -126,8 +126,8 @@ fn defaults_are_those_that_the_documentation_names() {
     assert_eq!(scene.title, "scene");
     let coarsening = scene.coarsening;
     assert_eq!(
-        (coarsening.training, coarsening.base, coarsening.objective),
-        (TrainingKind::OneRing, BaseKind::Harmonic, Objective::ClosedForm)
+        (coarsening.training, coarsening.base, coarsening.objective, coarsening.split),
+        (TrainingKind::OneRing, BaseKind::Harmonic, Objective::ClosedForm, true)
     );
     assert_eq!(body.grid.spacing, [0.1, 0.1, 0.05]);
     assert_eq!(counts(&body), [(3, 8)]);

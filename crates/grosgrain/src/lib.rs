@@ -22,7 +22,7 @@
 //! materials.insert(Label(0), Material { name: "gel".into(), elasticity, density: 1000.0 });
 //! let model = FineModel::new(VoxelGrid::uniform([8, 4, 4], [0.01; 3], Label(0)), &materials)?;
 //! let coarse = build(&model, 2, &BuildOptions::default(), &grosgrain::progress::silent)?.model;
-//! assert_eq!(coarse.cells().len(), 4 * 2 * 2);
+//! assert_eq!(coarse.elements().len(), 4 * 2 * 2);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 

@@ -4,7 +4,7 @@ mod bodies;
 
 use bodies::*;
 use grosgrain::coarse::{BuildOptions, Built, Embedding, Method, build};
-use grosgrain::coarsening::{BaseKind, COLUMNS, Objective};
+use grosgrain::coarsening::{BaseKind, COLUMNS};
 use grosgrain::dynamics::solve_coarse;
 use grosgrain::fine::{FineModel, constant_stress_loads, traction};
 use grosgrain::material::Elasticity;
@@ -20,7 +20,7 @@ fn options() -> Vec<BuildOptions> {
     let bases = [BaseKind::Harmonic, BaseKind::Trilinear, BaseKind::Material];
     let trained = kinds.into_iter().flat_map(|kind| bases.map(|base| (Method::Trained(kind), base)));
     let all = [(Method::Trilinear, BaseKind::Harmonic), (Method::Average, BaseKind::Harmonic)].into_iter();
-    all.chain(trained).map(|(method, base)| BuildOptions { method, base, objective: Objective::ClosedForm }).collect()
+    all.chain(trained).map(|(method, base)| BuildOptions { method, base, ..BuildOptions::default() }).collect()
 }
 
 fn homogeneous(cells: [usize; 3], void: impl Fn([usize; 3]) -> bool, elasticity: Elasticity) -> FineModel {
@@ -37,14 +37,15 @@ fn stepped(at: [usize; 3]) -> bool {
 /// Largest error of the shape functions on the nine displacement gradients, at nodes of solid cells.
 fn error_on_linear_fields(model: &FineModel, built: &Built) -> f64 {
     let partition = built.model.partition();
-    let embedding = Embedding::new(model, &built.model);
-    let corners = |index: usize| partition.corners(built.model.cells()[index]).map(|n| partition.coincident_node(n));
+    let embedding = Embedding::new(&built.model);
+    let corners =
+        |index: usize| partition.corners(built.model.elements()[index].cell).map(|n| partition.coincident_node(n));
     let mut worst = 0.0f64;
     for (alpha, beta) in (0..9).map(|n| (n / 3, n % 3)) {
         let mut gradient = [[0.0; 3]; 3];
         gradient[alpha][beta] = 1.0;
         let exact = lattice_vector(model.grid(), |x| apply(gradient, x));
-        for index in 0..built.model.cells().len() {
+        for index in 0..built.model.elements().len() {
             let nodes = corners(index);
             let values: [f64; COLUMNS] = std::array::from_fn(|c| exact[3 * nodes[c / 3].0 + c % 3]);
             for &(local, node) in embedding.members(index) {
@@ -90,19 +91,18 @@ fn functions_of_partly_filled_homogeneous_cells_reproduce_all_linear_fields() {
 /// so strains are compared.
 fn error_of_stress_states(model: &FineModel, built: &Built) -> f64 {
     let (lattice, spacing) = (model.grid().lattice, model.grid().spacing);
-    let partition = built.model.partition();
     let mut loads = vec![0.0; 18 * lattice.node_count()];
     constant_stress_loads(lattice, spacing, &hull(&model.grid().void, &lattice), &mut loads);
     let exact = HarmonicDisplacements::solve(model, SolverChoice::Direct, &silent).unwrap();
-    let embedding = Embedding::new(model, &built.model);
-    let coarse_spacing = spacing.map(|h| h * partition.degree() as f64);
-    let system = LatticeSystem { cells: &built.model, spacing: coarse_spacing, hold: Hold::Equilibrium };
+    let embedding = Embedding::new(&built.model);
+    let coarse = built.model.as_lattice().unwrap();
+    let system = LatticeSystem { cells: &coarse, spacing: built.model.spacing(), hold: Hold::Equilibrium };
     let stride = 3 * lattice.node_count();
     let mut worst = 0.0f64;
     for (f, u) in loads.chunks_exact(stride).zip(exact.displacements.chunks_exact(stride)) {
-        let mut solution = embedding.restrict(f);
+        let mut solution = coarse.from_vertices(&embedding.restrict(f));
         system.solve(SolverChoice::Direct, &mut solution, &silent).unwrap();
-        let embedded = embedding.prolong(&solution);
+        let embedded = embedding.prolong(&coarse.to_vertices(&solution));
         worst = worst.max(strain_difference(model, lattice, &embedded, u));
     }
     worst
@@ -157,7 +157,7 @@ fn a_pulled_bar_without_lateral_contraction_is_exact_in_every_method() {
     let exact = lattice_vector(model.grid(), |x| [0.0, 0.0, 3.0 / 200.0 * x[2]]);
     for option in options() {
         let built = build(&model, 2, &option, &silent).unwrap();
-        let solution = solve_coarse(&model, &built.model, &fixed, &loads, &silent).unwrap();
+        let solution = solve_coarse(&built.model, &fixed, &loads, &silent).unwrap();
         let error = relative(&solution.displacement, &exact);
         assert!(error < 1e-10, "{option:?}: {error:.1e}");
         assert_eq!(solution.held_by_penalty, 0);

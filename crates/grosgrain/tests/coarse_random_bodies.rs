@@ -4,7 +4,7 @@ mod bodies;
 
 use bodies::*;
 use grosgrain::coarse::{BuildOptions, Built, Embedding, Method, build};
-use grosgrain::coarsening::{BaseKind, Objective};
+use grosgrain::coarsening::BaseKind;
 use grosgrain::fine::{FineModel, constant_stress_loads};
 use grosgrain::mesh::{Cell, Components, Label, Lattice, Neighbourhood, VoxelGrid, hull};
 use grosgrain::partition::{CellBox, CoarseCell, Partition};
@@ -29,12 +29,13 @@ fn finite(values: &[f64]) -> bool {
 }
 
 fn check_numbers(built: &Built, what: &str) -> Result<(), TestCaseError> {
-    prop_assert!(built.training.iter().all(|t| finite(t.data())), "{what}: training");
-    prop_assert!(finite(built.model.functions().data()), "{what}: functions");
-    for index in 0..built.model.cells().len() {
-        prop_assert!(finite(built.model.cell_stiffness(index)), "{what}: stiffness of cell {index}");
+    prop_assert!(built.training.iter().all(|t| t.iter().all(finite)), "{what}: training");
+    prop_assert!(built.model.functions().iter().all(finite), "{what}: functions");
+    for index in 0..built.model.elements().len() {
+        prop_assert!(finite(built.model.stiffness(index)), "{what}: stiffness of cell {index}");
     }
-    prop_assert!(built.model.functions().fits.iter().all(|fit| fit.rank <= 6 && fit.condition >= 1.0), "{}", what);
+    let fits = (0..built.model.elements().len()).filter_map(|index| built.model.functions().fit_of(index));
+    prop_assert!(fits.into_iter().all(|fit| fit.rank <= 6 && fit.condition >= 1.0), "{}", what);
     Ok(())
 }
 
@@ -42,9 +43,9 @@ fn check_numbers(built: &Built, what: &str) -> Result<(), TestCaseError> {
 fn check_embedding_and_mass(model: &FineModel, built: &Built, seed: u64) -> Result<(), TestCaseError> {
     let mut random = Uniform(seed);
     let mut vector = |n: usize| -> Vec<f64> { (0..n).map(|_| random.signed()).collect() };
-    let coarse = vector(3 * built.model.partition().coarse().node_count());
+    let coarse = vector(3 * built.model.mesh().vertices().len());
     let fine = vector(3 * built.model.partition().fine().node_count());
-    let embedding = Embedding::new(model, &built.model);
+    let embedding = Embedding::new(&built.model);
     let (up, down) = (embedding.prolong(&coarse), embedding.restrict(&fine));
     let (left, right) = (dot(&up, &fine), dot(&coarse, &down));
     let scale = norm(&up) * norm(&fine) + norm(&coarse) * norm(&down);
@@ -92,7 +93,7 @@ fn all_options() -> Vec<BuildOptions> {
         (Method::Trained(TrainingKind::OneRing), BaseKind::Material),
         (Method::Trained(TrainingKind::SingleCell), BaseKind::Trilinear),
     ];
-    methods.map(|(method, base)| BuildOptions { method, base, objective: Objective::ClosedForm }).to_vec()
+    methods.map(|(method, base)| BuildOptions { method, base, ..BuildOptions::default() }).to_vec()
 }
 
 proptest! {

@@ -6,7 +6,7 @@ use bodies::*;
 use grosgrain::coarsening::{BaseKind, COLUMNS, FIELDS, Objective, ShapeFunctions};
 use grosgrain::fine::FineModel;
 use grosgrain::mesh::Node;
-use grosgrain::partition::{CoarseCell, Partition};
+use grosgrain::partition::{CellPart, CoarseCell, CoarseMesh, Partition};
 use grosgrain::progress::silent;
 use grosgrain::training::{Training, TrainingKind, train};
 use proptest::prelude::*;
@@ -24,10 +24,10 @@ struct Fit {
 impl Fit {
     fn new(model: FineModel, degree: usize, kind: TrainingKind, base: BaseKind) -> Self {
         let partition = Partition::new(model.grid().lattice, degree).unwrap();
-        let cells: Vec<CoarseCell> = (0..partition.coarse().cell_count()).map(CoarseCell).collect();
-        let (training, _) = train(&model, &partition, &cells, kind, &silent).unwrap();
+        let mesh = CoarseMesh::new(&model.grid().void, &partition);
+        let (training, _) = train(&model, &mesh, mesh.elements(), kind, &silent).unwrap();
         let options = (base, Objective::ClosedForm);
-        let functions = ShapeFunctions::fit(&model, &partition, &training, options, &silent).unwrap();
+        let functions = ShapeFunctions::fit(&model, &mesh, &training, options, &silent).unwrap();
         Self { model, partition, training, functions }
     }
 
@@ -64,7 +64,7 @@ fn scale(functions: &[f64], corners: &[f64; COLUMNS]) -> f64 {
 }
 
 fn check(fit: &Fit, what: &str) -> Result<(), TestCaseError> {
-    for index in 0..fit.functions.cells().len() {
+    for index in 0..fit.functions.elements().len() {
         let functions = fit.functions.of(index);
         for axis in 0..3 {
             let (translated, corners) = fit.sample(|_| std::array::from_fn(|a| f64::from(u8::from(a == axis))));
@@ -79,7 +79,7 @@ fn check(fit: &Fit, what: &str) -> Result<(), TestCaseError> {
             let error = distance(&fit.interpolate(index, &corners), &turned) / scale(functions, &corners);
             prop_assert!(error < 1e-12, "{what}: rotation about {axis} off by {error:.1e}");
         }
-        prop_assert_eq!(fit.functions.fits[index].rank, FIELDS, "{}: the fields are independent", what);
+        prop_assert_eq!(fit.functions.fit_of(index).unwrap().rank, FIELDS, "{}: the fields are independent", what);
         for k in 0..FIELDS {
             let (values, corners) = fit.field(index, k);
             let error = distance(&fit.interpolate(index, &corners), &values);
@@ -126,7 +126,9 @@ proptest! {
 fn dependent_training_fields_are_dropped_and_the_functions_stay_exact_for_rigid_motions() {
     let model = random_model([3, 3, 3], [1.0, 2.0, 0.5], 100.0, 0.3, 5);
     let partition = Partition::new(model.grid().lattice, 3).unwrap();
-    let (training, _) = train(&model, &partition, &[CoarseCell(0)], TrainingKind::SingleCell, &silent).unwrap();
+    let mesh = CoarseMesh::new(&model.grid().void, &partition);
+    let first = CellPart::whole(CoarseCell(0));
+    let (training, _) = train(&model, &mesh, &[first], TrainingKind::SingleCell, &silent).unwrap();
     let base = std::sync::Arc::new(grosgrain::coarsening::BaseFunctions::trilinear(3));
     let fitter = grosgrain::coarsening::Fitter::new(&partition, model.grid().spacing, &base);
     let mut dependent = training.of(0).to_vec();

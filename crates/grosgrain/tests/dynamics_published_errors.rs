@@ -6,7 +6,7 @@ use std::path::Path;
 
 use bodies::*;
 use grosgrain::coarse::{BuildOptions, Method, build};
-use grosgrain::coarsening::{BaseKind, Objective};
+use grosgrain::coarsening::BaseKind;
 use grosgrain::dynamics::{FineSolution, relative_error, solve_coarse, solve_fine};
 use grosgrain::fine::{FineModel, gravity};
 use grosgrain::mesh::{Label, Pattern, VoxelGrid};
@@ -37,13 +37,13 @@ fn options(name: &str) -> BuildOptions {
         "one-ring[harmonic]" => (Method::Trained(TrainingKind::OneRing), BaseKind::Harmonic),
         _ => panic!("the table names an unknown method {name}"),
     };
-    BuildOptions { method, base, objective: Objective::ClosedForm }
+    BuildOptions { method, base, ..BuildOptions::default() }
 }
 
 /// Relative L² error of the embedded coarse displacement in percent.
 fn error(model: &FineModel, fixed: &[bool], loads: &[f64], fine: &FineSolution, name: &str) -> f64 {
     let built = build(model, DEGREE, &options(name), &silent).unwrap();
-    let coarse = solve_coarse(model, &built.model, fixed, loads, &silent).unwrap();
+    let coarse = solve_coarse(&built.model, fixed, loads, &silent).unwrap();
     100.0 * relative_error(&coarse.displacement, &fine.displacement)
 }
 

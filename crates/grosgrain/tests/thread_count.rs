@@ -4,7 +4,7 @@ mod bodies;
 
 use bodies::*;
 use grosgrain::coarse::{BuildOptions, Method, build};
-use grosgrain::coarsening::{BaseKind, Objective};
+use grosgrain::coarsening::BaseKind;
 use grosgrain::dynamics::{solve_coarse, solve_fine};
 use grosgrain::fine::{FineModel, gravity};
 use grosgrain::progress::silent;
@@ -13,14 +13,14 @@ use grosgrain::training::TrainingKind;
 
 /// The bits of everything that a build and a solve compute.
 fn coarse_bits(model: &FineModel, method: Method, base: BaseKind) -> Vec<u64> {
-    let options = BuildOptions { method, base, objective: Objective::ClosedForm };
+    let options = BuildOptions { method, base, ..BuildOptions::default() };
     let built = build(model, 2, &options, &silent).unwrap();
     let fixed = plane(model.grid().lattice, 0, 0);
     let loads = gravity(model, [0.0, 0.0, -9.81]);
-    let solution = solve_coarse(model, &built.model, &fixed, &loads, &silent).unwrap();
-    let mut values: Vec<f64> = built.training.iter().flat_map(|t| t.data().to_vec()).collect();
-    values.extend(built.model.functions().data());
-    (0..built.model.cells().len()).for_each(|index| values.extend(built.model.cell_stiffness(index)));
+    let solution = solve_coarse(&built.model, &fixed, &loads, &silent).unwrap();
+    let mut values: Vec<f64> = built.training.iter().flat_map(|t| t.iter().flatten().copied()).collect();
+    values.extend(built.model.functions().iter().flatten());
+    (0..built.model.elements().len()).for_each(|index| values.extend(built.model.stiffness(index)));
     values.extend(built.model.mass());
     values.extend(&solution.displacement);
     values.push(solution.energy);

@@ -8,7 +8,7 @@ use faer::{Mat, Side};
 use grosgrain::element::Hex8;
 use grosgrain::fine::{FineModel, HARMONIC_FIELDS, constant_stress};
 use grosgrain::mesh::{Cell, Node, VoxelGrid};
-use grosgrain::partition::{CellBox, CoarseCell, Partition};
+use grosgrain::partition::{CellBox, CellPart, CoarseCell, CoarseMesh, Partition};
 use grosgrain::progress::silent;
 use grosgrain::training::{Training, TrainingKind, train};
 
@@ -99,7 +99,9 @@ fn dense_training(model: &FineModel, domain: CellBox, own: CellBox) -> Vec<f64> 
 }
 
 fn trained(model: &FineModel, partition: &Partition, cell: CoarseCell, kind: TrainingKind) -> Training {
-    train(model, partition, &[cell], kind, &silent).unwrap().0
+    // Unsplit, so that data are cut from all nodes of the cell, those that only neighbours touch included.
+    let mesh = CoarseMesh::unsplit(&model.grid().void, partition);
+    train(model, &mesh, &[CellPart::whole(cell)], kind, &silent).unwrap().0
 }
 
 /// A random body; if asked for, seven of the eight fine cells around the node (2, 2, 2) are void.

@@ -96,7 +96,7 @@ fn default_output(scene: &Path) -> PathBuf {
 
 impl Figures {
     fn new(problem: &Problem, method: Method, built: &Built) -> Self {
-        let (cells, nodes) = (built.model.cells().len(), built.model.nodes().len());
+        let (cells, nodes) = (built.model.elements().len(), built.model.mesh().vertices().len());
         let report = &built.report;
         let stages = |scale: f64| Stages {
             training: report.training_seconds * scale,

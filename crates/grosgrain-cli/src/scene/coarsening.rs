@@ -16,9 +16,11 @@ pub struct Coarsening {
     pub base: BaseKind,
     /// How the shape functions are found.
     pub objective: Objective,
+    /// Whether coarse cells in several parts get an element for each.
+    pub split: bool,
 }
 
-const KEYS: &[&str] = &["degree", "training", "fields", "base", "objective"];
+const KEYS: &[&str] = &["degree", "training", "fields", "base", "objective", "split"];
 
 /// Reads `[coarsening]`.
 pub fn read_coarsening(item: &Item) -> Reading<Coarsening> {
@@ -34,12 +36,14 @@ pub fn read_coarsening(item: &Item) -> Reading<Coarsening> {
     let base = section.optional("base", |base| base.choice(&bases));
     let objectives = [("closed-form", Objective::ClosedForm), ("coupled", Objective::Coupled)];
     let objective = section.optional("objective", |objective| objective.choice(&objectives));
+    let split = section.optional("split", Item::boolean);
     fields?;
     Ok(Coarsening {
         degree: degree?,
         training: training?.unwrap_or(TrainingKind::OneRing),
         base: base?.unwrap_or(BaseKind::Harmonic),
         objective: objective?.unwrap_or(Objective::ClosedForm),
+        split: split?.unwrap_or(true),
     })
 }
 

@@ -1,6 +1,5 @@
 //! The coarse model: stiffness of one cell, and the maps between coarse and fine nodes.
 
-use grosgrain::assembly::Window;
 use grosgrain::coarse::{BuildOptions, CoarseModel, Embedding, Method, build, galerkin_stiffness};
 use grosgrain::coarsening::COLUMNS;
 use grosgrain::element::CellMatrix;
@@ -24,15 +23,15 @@ impl CoarseCase {
         let options = BuildOptions { method: Method::Trained(TrainingKind::SingleCell), ..BuildOptions::default() };
         let coarse = build(&model, degree, &options, &silent)?.model;
         let entry = |i: usize| (0.1 * i as f64).sin();
-        let coarse_vector = (0..3 * coarse.partition().coarse().node_count()).map(entry).collect();
+        let coarse_vector = (0..3 * coarse.mesh().vertices().len()).map(entry).collect();
         let fine_vector = (0..3 * model.grid().lattice.node_count()).map(entry).collect();
         Ok(Self { model, coarse, coarse_vector, fine_vector })
     }
 
     /// K̄ of the first coarse cell.
     pub fn galerkin(&self) -> CellMatrix {
-        let cells = self.coarse.partition().cell_box(self.coarse.cells()[0]);
-        galerkin_stiffness(&Window::new(&self.model, cells.start, cells.cells), self.coarse.functions().of(0))
+        let first = self.coarse.elements()[0];
+        galerkin_stiffness(&self.coarse.mesh().window(&self.model, first), self.coarse.functions().of(0))
     }
 
     /// Multiplications and additions of K W (24³) and of one triangle of Wᵀ (K W), per fine cell of one coarse cell.
@@ -43,7 +42,7 @@ impl CoarseCase {
     }
 
     pub fn embedding(&self) -> Embedding<'_> {
-        Embedding::new(&self.model, &self.coarse)
+        Embedding::new(&self.coarse)
     }
 
     /// Coarse displacements on the fine nodes.
@@ -58,7 +57,7 @@ impl CoarseCase {
 
     /// Bytes of all shape functions, each of which is read once.
     pub fn embedding_bytes(&self) -> f64 {
-        8.0 * self.coarse.functions().data().len() as f64
+        8.0 * self.coarse.functions().iter().map(<[f64]>::len).sum::<usize>() as f64
     }
 
     pub fn fine_unknowns(&self) -> usize {

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use grosgrain::coarsening::{BaseFunctions, COLUMNS, CoupledError, FIELDS, Fitter, fit_coupled};
-use grosgrain::partition::Partition;
+use grosgrain::partition::{CellPart, CoarseMesh, Partition};
 use grosgrain::training::{LocalTrainer, RingKind};
 
 use super::{CENTRE, Outcome, RATIO, SPACING, layered};
@@ -23,7 +23,9 @@ impl FitCase {
     pub fn new(degree: usize) -> Outcome<Self> {
         let model = layered([3 * degree; 3], RATIO)?;
         let partition = Partition::new(model.grid().lattice, degree)?;
-        let training = LocalTrainer::new(&partition, RingKind::OneRing).train_cell(&model, CENTRE)?;
+        let mesh = CoarseMesh::new(&model.grid().void, &partition);
+        let trainer = LocalTrainer::new(&partition, RingKind::OneRing);
+        let training = trainer.train_cell(&model, &mesh, &[CellPart::whole(CENTRE)])?.concat();
         let base = Arc::new(BaseFunctions::harmonic(degree, SPACING)?);
         let fitter = Fitter::new(&partition, SPACING, &base);
         let per_node = PerNode::new(&partition, SPACING, fitter.base());

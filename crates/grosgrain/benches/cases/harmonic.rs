@@ -6,7 +6,7 @@ use grosgrain::assembly::{CellStiffness, Constraints, LatticePattern, Window, ac
 use grosgrain::fine::{FineModel, HARMONIC_FIELDS, constant_stress_loads};
 use grosgrain::linalg::{Cholesky, CholeskyError};
 use grosgrain::mesh::{Cell, Lattice};
-use grosgrain::partition::{CellBox, CoarseCell, Partition};
+use grosgrain::partition::{CellBox, CellPart, CoarseMesh, Partition};
 use grosgrain::progress::silent;
 use grosgrain::solver::{AnalysedLattice, SolverError, Support, free_support};
 use grosgrain::training::{LocalTrainer, RingKind, Training, TrainingError};
@@ -17,6 +17,7 @@ use crate::simplicial::Simplicial;
 /// Six static problems on the ring of a cell, or on the cell.
 pub struct HarmonicCase {
     model: FineModel,
+    mesh: CoarseMesh,
     trainer: LocalTrainer,
     domain: CellBox,
     analysed: Arc<AnalysedLattice>,
@@ -36,14 +37,15 @@ impl HarmonicCase {
             RingKind::SingleCell => partition.cell_box(CENTRE),
         };
         let trainer = LocalTrainer::new(&partition, kind);
-        trainer.train_cell(&model, CENTRE)?;
+        let mesh = CoarseMesh::new(&model.grid().void, &partition);
+        trainer.train_cell(&model, &mesh, &[CellPart::whole(CENTRE)])?;
         let analysed = Arc::new(AnalysedLattice::new(LatticePattern::full(Lattice::new(domain.cells)))?);
         let cholesky = Cholesky::new(analysed.symbolic().clone(), HARMONIC_FIELDS)?;
         let constraints = determinate_support(&model, domain)?;
         let loads = loads_in_elimination_order(&model, &analysed);
         let values = vec![0.0; analysed.pattern().pattern().entry_count()];
         let block = loads.clone();
-        let mut case = Self { model, trainer, domain, analysed, constraints, values, cholesky, loads, block };
+        let mut case = Self { model, mesh, trainer, domain, analysed, constraints, values, cholesky, loads, block };
         case.assemble();
         case.factor()?;
         case.solve();
@@ -51,8 +53,8 @@ impl HarmonicCase {
     }
 
     /// Everything: loads, assembly, factorisation, solve, cutting the cell out.
-    pub fn train(&self) -> Result<Vec<f64>, SolverError> {
-        self.trainer.train_cell(&self.model, CENTRE)
+    pub fn train(&self) -> Result<Vec<Box<[f64]>>, SolverError> {
+        self.trainer.train_cell(&self.model, &self.mesh, &[CellPart::whole(CENTRE)])
     }
 
     pub fn assemble(&mut self) {
@@ -128,7 +130,7 @@ fn loads_in_elimination_order(model: &FineModel, analysed: &AnalysedLattice) -> 
 pub struct ManyCells {
     model: FineModel,
     trainer: LocalTrainer,
-    cells: Vec<CoarseCell>,
+    mesh: CoarseMesh,
     pool: rayon::ThreadPool,
 }
 
@@ -138,17 +140,17 @@ impl ManyCells {
         let partition = Partition::new(model.grid().lattice, degree)?;
         let trainer = LocalTrainer::new(&partition, RingKind::OneRing);
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
-        let cells = (0..partition.coarse().cell_count()).map(CoarseCell).collect();
-        let case = Self { model, trainer, cells, pool };
+        let mesh = CoarseMesh::new(&model.grid().void, &partition);
+        let case = Self { model, trainer, mesh, pool };
         case.train()?;
         Ok(case)
     }
 
     pub fn train(&self) -> Result<Training, TrainingError> {
-        self.pool.install(|| self.trainer.train(&self.model, &self.cells, &silent))
+        self.pool.install(|| self.trainer.train(&self.model, &self.mesh, self.mesh.elements(), &silent))
     }
 
     pub fn cell_count(&self) -> usize {
-        self.cells.len()
+        self.mesh.elements().len()
     }
 }

@@ -5,8 +5,7 @@ use std::time::Instant;
 use super::CoarseModel;
 use crate::coarsening::{BaseKind, Objective, ShapeFunctionError, ShapeFunctions};
 use crate::fine::FineModel;
-use crate::mesh::Cell;
-use crate::partition::{CoarseCell, Partition, PartitionError};
+use crate::partition::{CellPart, CoarseMesh, Partition, PartitionError};
 use crate::progress::Progress;
 use crate::solver::SolveReport;
 use crate::training::{Training, TrainingError, TrainingKind, train};
@@ -31,6 +30,9 @@ pub struct BuildOptions {
     pub base: BaseKind,
     /// How the fit is solved.
     pub objective: Objective,
+    /// Whether coarse cells that fall into several parts get an element for each ([`CoarseMesh`]). If not, what is in one coarse cell
+    /// moves together, and so does what meets a coarse node from either side of a gap.
+    pub split: bool,
 }
 
 impl Default for BuildOptions {
@@ -39,6 +41,7 @@ impl Default for BuildOptions {
             method: Method::Trained(TrainingKind::OneRing),
             base: BaseKind::Harmonic,
             objective: Objective::ClosedForm,
+            split: true,
         }
     }
 }
@@ -69,10 +72,10 @@ pub struct BuildReport {
     pub assembly_seconds: f64,
     /// How the global harmonic displacements were solved, where there were any.
     pub training_solver: Option<SolveReport>,
-    /// Cells that dropped dependent training fields: cell and fields kept.
-    pub rank_deficient: Vec<(CoarseCell, usize)>,
-    /// Worst condition of the data constraints, with its cell.
-    pub worst_condition: Option<(CoarseCell, f64)>,
+    /// Elements that dropped dependent training fields: element and fields kept.
+    pub rank_deficient: Vec<(CellPart, usize)>,
+    /// Worst condition of the data constraints, with its element.
+    pub worst_condition: Option<(CellPart, f64)>,
 }
 
 /// A coarse model with what it was made from.
@@ -97,12 +100,15 @@ pub fn build(
     progress: Progress<'_>,
 ) -> Result<Built, BuildError> {
     let partition = Partition::new(model.grid().lattice, degree)?;
-    let cells = occupied_cells(model, &partition);
+    let mesh = match options.split {
+        true => CoarseMesh::new(&model.grid().void, &partition),
+        false => CoarseMesh::unsplit(&model.grid().void, &partition),
+    };
     let mut report = BuildReport::default();
     let start = Instant::now();
     let training = match options.method {
         Method::Trained(kind) => {
-            let (training, solver) = train(model, &partition, &cells, kind, progress)?;
+            let (training, solver) = train(model, &mesh, mesh.elements(), kind, progress)?;
             report.training_solver = solver;
             Some(training)
         }
@@ -111,36 +117,29 @@ pub fn build(
     report.training_seconds = start.elapsed().as_secs_f64();
     let start = Instant::now();
     let functions = match &training {
-        Some(training) => {
-            ShapeFunctions::fit(model, &partition, training, (options.base, options.objective), progress)?
-        }
-        None => ShapeFunctions::trilinear(&partition, &cells),
+        Some(training) => ShapeFunctions::fit(model, &mesh, training, (options.base, options.objective), progress)?,
+        None => ShapeFunctions::trilinear(&partition, mesh.elements()),
     };
     report.fitting_seconds = start.elapsed().as_secs_f64();
     report.note_fits(&functions);
     let start = Instant::now();
     let coarse = match options.method {
-        Method::Average => CoarseModel::averaged(model, &partition, functions),
-        _ => CoarseModel::galerkin(model, &partition, functions),
+        Method::Average => CoarseModel::averaged(model, mesh, functions),
+        _ => CoarseModel::galerkin(model, mesh, functions),
     };
     report.assembly_seconds = start.elapsed().as_secs_f64();
     Ok(Built { model: coarse, training, report })
 }
 
-/// Coarse cells that hold at least one solid fine cell, ascending.
-pub fn occupied_cells(model: &FineModel, partition: &Partition) -> Vec<CoarseCell> {
-    let occupied = |cell: &CoarseCell| partition.fine_cells(*cell).any(|c: Cell| !model.is_void(c));
-    (0..partition.coarse().cell_count()).map(CoarseCell).filter(occupied).collect()
-}
-
 impl BuildReport {
     fn note_fits(&mut self, functions: &ShapeFunctions) {
-        for (&cell, fit) in functions.cells().iter().zip(&functions.fits) {
+        for (index, &element) in functions.elements().iter().enumerate() {
+            let Some(fit) = functions.fit_of(index) else { continue };
             if fit.rank < crate::coarsening::FIELDS {
-                self.rank_deficient.push((cell, fit.rank));
+                self.rank_deficient.push((element, fit.rank));
             }
             if self.worst_condition.is_none_or(|(_, worst)| fit.condition > worst) {
-                self.worst_condition = Some((cell, fit.condition));
+                self.worst_condition = Some((element, fit.condition));
             }
         }
     }

@@ -1,44 +1,29 @@
-//! Coarse displacements on the fine nodes, and fine loads on the coarse nodes.
+//! Coarse displacements on the fine nodes, and fine loads on the vertices.
 
 use super::CoarseModel;
 use crate::coarsening::COLUMNS;
-use crate::fine::FineModel;
-use crate::mesh::Cell;
 
-/// The prolongation u = A ū from coarse to fine nodes: W ū in each coarse cell, averaged at fine nodes where
-/// cells meet. A cell counts at a node only if one of its own solid fine cells touches the node.
+/// The prolongation u = A ū from vertices to fine nodes: W ū in each element, averaged at fine nodes where
+/// elements meet. An element counts at a node only if one of its own fine cells touches the node.
 #[derive(Clone, Debug)]
 pub struct Embedding<'a> {
     coarse: &'a CoarseModel,
-    /// Fine lattice nodes of each coarse cell at which the cell counts, with their local index.
+    /// Fine lattice nodes of each element, with their number in its coarse cell.
     members: Vec<Vec<(u32, u32)>>,
-    /// Number of coarse cells that count at each fine lattice node.
+    /// Number of elements that count at each fine lattice node.
     multiplicity: Vec<u8>,
 }
 
 impl<'a> Embedding<'a> {
-    /// The embedding of the body of `model` into `coarse`.
-    pub fn new(model: &FineModel, coarse: &'a CoarseModel) -> Self {
-        let partition = coarse.partition();
-        let local = partition.cell_lattice();
-        let mut multiplicity = vec![0u8; partition.fine().node_count()];
-        let mut members = Vec::with_capacity(coarse.cells().len());
-        for &cell in coarse.cells() {
-            let mut touched = vec![false; local.node_count()];
-            for (index, fine) in partition.fine_cells(cell).enumerate() {
-                if !model.is_void(fine) {
-                    local.corners(Cell(index)).iter().for_each(|n| touched[n.0] = true);
-                }
-            }
-            let nodes = partition.fine_nodes(cell).enumerate().filter(|(n, _)| touched[*n]);
-            let list: Vec<(u32, u32)> = nodes.map(|(n, node)| (n as u32, node.0 as u32)).collect();
-            list.iter().for_each(|(_, node)| multiplicity[*node as usize] += 1);
-            members.push(list);
-        }
+    /// The embedding of the fine body that `coarse` was made from.
+    pub fn new(coarse: &'a CoarseModel) -> Self {
+        let mut multiplicity = vec![0u8; coarse.partition().fine().node_count()];
+        let members: Vec<Vec<(u32, u32)>> = coarse.elements().iter().map(|e| coarse.mesh().fine_nodes(*e)).collect();
+        members.iter().flatten().for_each(|(_, node)| multiplicity[*node as usize] += 1);
         Self { coarse, members, multiplicity }
     }
 
-    /// u = A ū on the fine lattice; `coarse_displacement` has 3 entries per coarse lattice node. Void nodes are zero.
+    /// u = A ū on the fine lattice; `coarse_displacement` has 3 entries per vertex. Void nodes are zero.
     pub fn prolong(&self, coarse_displacement: &[f64]) -> Vec<f64> {
         let mut fine = vec![0.0; 3 * self.multiplicity.len()];
         for (index, list) in self.members.iter().enumerate() {
@@ -55,10 +40,10 @@ impl<'a> Embedding<'a> {
         fine
     }
 
-    /// f̄ = Aᵀ f: coarse loads (3 per coarse lattice node) that do the same work as the fine loads.
+    /// f̄ = Aᵀ f: coarse loads (3 per vertex) that do the same work as the fine loads.
     pub fn restrict(&self, fine_loads: &[f64]) -> Vec<f64> {
-        let partition = self.coarse.partition();
-        let mut loads = vec![0.0; 3 * partition.coarse().node_count()];
+        let mesh = self.coarse.mesh();
+        let mut loads = vec![0.0; 3 * mesh.vertices().len()];
         for (index, list) in self.members.iter().enumerate() {
             let functions = self.coarse.functions().of(index);
             let mut corners = [0.0; COLUMNS];
@@ -70,25 +55,25 @@ impl<'a> Embedding<'a> {
                     corners.iter_mut().zip(row).for_each(|(f, w)| *f += force * w);
                 }
             }
-            for (i, node) in partition.corners(self.coarse.cells()[index]).iter().enumerate() {
-                (0..3).for_each(|r| loads[3 * node.0 + r] += corners[3 * i + r]);
+            for (i, vertex) in mesh.corners()[index].iter().enumerate() {
+                (0..3).for_each(|r| loads[3 * *vertex as usize + r] += corners[3 * i + r]);
             }
         }
         loads
     }
 
-    /// Number of coarse cells that count at each fine lattice node.
+    /// Number of elements that count at each fine lattice node.
     pub fn multiplicity(&self) -> &[u8] {
         &self.multiplicity
     }
 
-    /// Fine lattice nodes at which coarse cell number `index` counts: (local index, fine node).
+    /// Fine lattice nodes at which element number `index` counts: (number in its coarse cell, fine node).
     pub fn members(&self, index: usize) -> &[(u32, u32)] {
         &self.members[index]
     }
 
     fn corner_values(&self, index: usize, coarse_displacement: &[f64]) -> [f64; COLUMNS] {
-        let corners = self.coarse.partition().corners(self.coarse.cells()[index]);
-        std::array::from_fn(|c| coarse_displacement[3 * corners[c / 3].0 + c % 3])
+        let corners = self.coarse.mesh().corners()[index];
+        std::array::from_fn(|c| coarse_displacement[3 * corners[c / 3] as usize + c % 3])
     }
 }

@@ -3,11 +3,13 @@
 mod build;
 mod embedding;
 mod galerkin;
+mod lattice;
 mod model;
 mod support;
 
-pub use build::{BuildError, BuildOptions, BuildReport, Built, Method, build, occupied_cells};
+pub use build::{BuildError, BuildOptions, BuildReport, Built, Method, build};
 pub use embedding::Embedding;
 pub use galerkin::galerkin_stiffness;
+pub use lattice::CoarseLattice;
 pub use model::CoarseModel;
 pub use support::SupportedCoarse;

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{self, BufWriter};
 use std::path::Path;
 
-use ndarray::{Array0, Array1, Array2, ArrayView1, ArrayView2, ArrayView3, ArrayView4, ShapeError, arr0};
+use ndarray::{Array0, Array1, Array2, ArrayView1, ArrayView3, ArrayView4, ShapeError, arr0};
 use ndarray_npy::{NpzWriter, WriteNpzError};
 use zip::CompressionMethod;
 use zip::write::SimpleFileOptions;
@@ -13,7 +13,7 @@ use super::write_atomically;
 use crate::coarse::CoarseModel;
 use crate::coarsening::COLUMNS;
 use crate::fine::FineModel;
-use crate::mesh::{Cell, Node};
+use crate::mesh::Cell;
 use crate::training::Training;
 
 /// Layout of the archive; it grows when an array changes its meaning or goes.
@@ -34,13 +34,15 @@ pub enum ModelWriteError {
     Shape(#[from] ShapeError),
 }
 
-/// Writes a coarse model of n cells and m nodes with degree d.
+/// Writes a coarse model of n elements and m vertices with degree d. A coarse cell in several parts has several elements, which follow
+/// each other; vertices may stand at the same place.
 ///
 /// | array | shape | |
 /// |---|---|---|
 /// | `degree` | () | d |
 /// | `spacing`, `origin` | (3,) | fine cell size and position of the lattice's first node \[m\] |
 /// | `cells` | (n, 3) | coarse indices i, j, k |
+/// | `part` | (n,) | number of the part of that coarse cell |
 /// | `corners` | (n, 8) | rows of `nodes`, x fastest |
 /// | `nodes` | (m, 3) | positions \[m\] |
 /// | `labels`, `void` | (nz, ny, nx) | of the fine cells |
@@ -78,13 +80,14 @@ fn write_arrays(
     archive.add_array("labels", &ArrayView3::from_shape((nz, ny, nx), &labels)?)?;
     archive.add_array("void", &ArrayView3::from_shape((nz, ny, nx), &grid.void)?)?;
     write_topology(&mut archive, model, coarse)?;
-    let (n, rows) = (coarse.cells().len(), coarse.functions().rows());
-    let functions = ArrayView4::from_shape((n, rows / 3, 3, COLUMNS), coarse.functions().data())?;
-    archive.add_array("shape_functions", &functions)?;
-    let stiffness: Vec<f64> = (0..n).flat_map(|index| coarse.cell_stiffness(index).iter().copied()).collect();
+    let (n, rows) = (coarse.elements().len(), coarse.functions().rows());
+    let functions: Vec<f64> = coarse.functions().iter().flatten().copied().collect();
+    archive.add_array("shape_functions", &ArrayView4::from_shape((n, rows / 3, 3, COLUMNS), &functions)?)?;
+    let stiffness: Vec<f64> = (0..n).flat_map(|index| coarse.stiffness(index).iter().copied()).collect();
     archive.add_array("stiffness", &ArrayView3::from_shape((n, COLUMNS, COLUMNS), &stiffness)?)?;
-    let (fields, data) = training.map_or((0, &[][..]), |t| (t.fields(), t.data()));
-    archive.add_array("training", &ArrayView3::from_shape((n, rows, fields), data)?)?;
+    let data: Vec<f64> = training.iter().flat_map(|t| t.iter().flatten().copied()).collect();
+    let fields = training.map_or(0, Training::fields);
+    archive.add_array("training", &ArrayView3::from_shape((n, rows, fields), &data)?)?;
     archive.finish()?;
     Ok(())
 }
@@ -94,20 +97,17 @@ fn write_topology(
     model: &FineModel,
     coarse: &CoarseModel,
 ) -> Result<(), ModelWriteError> {
-    let partition = coarse.partition();
-    let nodes = coarse.nodes();
-    let row_of = |node| nodes.binary_search(&node).map_or(-1, |row| row as i64);
-    let cells = coarse.cells();
-    let at: Vec<i64> =
-        cells.iter().flat_map(|c| partition.coarse().cell_position(Cell(c.0)).map(|x| x as i64)).collect();
-    let corners: Vec<i64> = cells.iter().flat_map(|c| partition.corners(*c).map(row_of)).collect();
-    let position = |node: Node| model.node_position(node);
-    let positions: Vec<f64> = nodes.iter().flat_map(|n| position(partition.coincident_node(*n))).collect();
-    let mass: Vec<f64> = nodes.iter().map(|n| coarse.mass()[n.0]).collect();
-    archive.add_array("cells", &Array2::from_shape_vec((cells.len(), 3), at)?)?;
-    archive.add_array("corners", &Array2::from_shape_vec((cells.len(), 8), corners)?)?;
-    archive.add_array("nodes", &ArrayView2::from_shape((nodes.len(), 3), &positions)?)?;
-    archive.add_array("mass", &ArrayView1::from(&mass))?;
+    let (mesh, partition) = (coarse.mesh(), coarse.partition());
+    let (n, m) = (mesh.elements().len(), mesh.vertices().len());
+    let at = mesh.elements().iter().flat_map(|e| partition.coarse().cell_position(Cell(e.cell.0)).map(|x| x as i64));
+    let part = mesh.elements().iter().map(|e| i64::from(e.part));
+    let corners = mesh.corners().iter().flatten().map(|vertex| i64::from(*vertex));
+    let position = mesh.vertices().iter().flat_map(|v| model.node_position(partition.coincident_node(v.node)));
+    archive.add_array("cells", &Array2::from_shape_vec((n, 3), at.collect())?)?;
+    archive.add_array("part", &Array1::from_iter(part))?;
+    archive.add_array("corners", &Array2::from_shape_vec((n, 8), corners.collect())?)?;
+    archive.add_array("nodes", &Array2::from_shape_vec((m, 3), position.collect())?)?;
+    archive.add_array("mass", &ArrayView1::from(coarse.mass()))?;
     Ok(())
 }
 

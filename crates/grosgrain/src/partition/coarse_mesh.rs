@@ -226,6 +226,21 @@ impl CoarseMesh {
         touched
     }
 
+    /// Which of the (d + 1)³ fine nodes of the coarse cell touch a solid fine cell of the element or of one in a neighbouring coarse cell that shares
+    /// a vertex with it: what moves with the element's material.
+    pub fn tied_nodes(&self, element: CellPart) -> Vec<bool> {
+        let mut tied = self.touched_nodes(element);
+        let Some(own) = self.index_of(element).filter(|_| !tied.iter().all(|t| *t)) else { return tied };
+        let moves_along = |fine: Cell| {
+            let other = self.element_at(fine).filter(|other| self.elements[*other].cell != element.cell);
+            other.is_some_and(|other| self.corners[other].iter().any(|v| self.corners[own].contains(v)))
+        };
+        for (tied, node) in tied.iter_mut().zip(self.partition.fine_nodes(element.cell)).filter(|(tied, _)| !**tied) {
+            *tied = self.partition.fine().cells_at(node).any(moves_along);
+        }
+        tied
+    }
+
     /// The fine nodes of an element: number in the coarse cell, and fine lattice node.
     pub fn fine_nodes(&self, element: CellPart) -> Vec<(u32, u32)> {
         let touched = self.touched_nodes(element);

@@ -257,7 +257,8 @@ mod tests {
         system.factor(|e| &block.matrices[e % block.matrices.len()], &constraints).unwrap();
         let mut found = loads(6 * nodes as usize);
         system.solve(&mut found).unwrap();
-        for (found, loads) in found.chunks(3 * nodes as usize).zip(loads(6 * nodes as usize).chunks(3 * nodes as usize)) {
+        for (found, loads) in found.chunks(3 * nodes as usize).zip(loads(6 * nodes as usize).chunks(3 * nodes as usize))
+        {
             let difference = largest_difference(found, &lattice_solution(&block, loads));
             assert!(difference < 1e-11, "{difference:.1e}");
         }

@@ -10,7 +10,7 @@ pub use global::HarmonicDisplacements;
 pub use local::{LocalTrainer, RingKind};
 
 use crate::fine::FineModel;
-use crate::partition::{CoarseCell, Partition};
+use crate::partition::{CellPart, CoarseMesh};
 use crate::progress::Progress;
 use crate::solver::{SolveReport, SolverChoice, SolverError};
 
@@ -45,28 +45,29 @@ pub enum TrainingError {
     Interrupted,
 }
 
-/// Training data of the listed coarse cells, and how the global problem was solved if there was one.
+/// Training data of the listed elements of `mesh` (ascending), and how the global problem was solved if there was one.
 ///
 /// # Errors
 /// When a problem is not solved, or the callback interrupts.
 pub fn train(
     model: &FineModel,
-    partition: &Partition,
-    cells: &[CoarseCell],
+    mesh: &CoarseMesh,
+    elements: &[CellPart],
     kind: TrainingKind,
     progress: Progress<'_>,
 ) -> Result<(Training, Option<SolveReport>), TrainingError> {
     match kind {
         TrainingKind::Global => {
             let harmonic = HarmonicDisplacements::solve(model, SolverChoice::Auto, progress)?;
-            let training = Training::from_harmonic(model, partition, cells, &harmonic);
+            let training = Training::from_harmonic(model, mesh, elements, &harmonic);
             Ok((training, Some(harmonic.report)))
         }
         TrainingKind::OneRing => {
-            Ok((LocalTrainer::new(partition, RingKind::OneRing).train(model, cells, progress)?, None))
+            Ok((LocalTrainer::new(mesh.partition(), RingKind::OneRing).train(model, mesh, elements, progress)?, None))
         }
-        TrainingKind::SingleCell => {
-            Ok((LocalTrainer::new(partition, RingKind::SingleCell).train(model, cells, progress)?, None))
-        }
+        TrainingKind::SingleCell => Ok((
+            LocalTrainer::new(mesh.partition(), RingKind::SingleCell).train(model, mesh, elements, progress)?,
+            None,
+        )),
     }
 }

@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use grosgrain::material::Elasticity;
-use grosgrain::mesh::{Components, Lattice, Neighbourhood, VoxelGrid};
+use grosgrain::mesh::{Components, Label, Neighbourhood, VoxelGrid, pad_to_multiple};
+use grosgrain::partition::{CoarseMesh, Partition};
 use serde::Serialize;
 
 use super::row;
@@ -13,7 +14,7 @@ use crate::failure::Failure;
 use crate::memory;
 use crate::progress::Progress;
 use crate::quantities::{count, counted, number, triple, triple_count};
-use crate::scene::{Scene, read_scene};
+use crate::scene::{Coarsening, Scene, read_scene};
 
 /// What a scene describes.
 #[derive(Debug, Serialize)]
@@ -59,15 +60,15 @@ pub fn summarise(file: &Path, progress: &Progress) -> Result<SceneSummary, Failu
         false => loose_when_held(&scene, &body.grid)?,
     };
     loose.iter().for_each(|sentence| progress.warn(sentence));
-    Ok(summary(&scene, &body))
+    summary(&scene, &body)
 }
 
-fn summary(scene: &Scene, body: &Body) -> SceneSummary {
+fn summary(scene: &Scene, body: &Body) -> Result<SceneSummary, Failure> {
     let grid = &body.grid;
     let fine_nodes = grid.active_nodes().into_iter().filter(|active| *active).count();
-    let coarse = coarse_grid(grid, scene.coarsening.degree);
-    let coarse_nodes = coarse.active_nodes().into_iter().filter(|active| *active).count();
-    SceneSummary {
+    let coarse = coarse_mesh(grid, &scene.coarsening)?;
+    let coarse_nodes = coarse.vertices().len();
+    Ok(SceneSummary {
         title: scene.title.clone(),
         cells: grid.lattice.cells,
         spacing_metres: grid.spacing,
@@ -79,28 +80,25 @@ fn summary(scene: &Scene, body: &Body) -> SceneSummary {
         fine_nodes,
         fine_unknowns: 3 * fine_nodes,
         degree: scene.coarsening.degree,
-        coarse_cells: coarse.solid_count(),
+        coarse_cells: coarse.elements().len(),
         coarse_nodes,
         coarse_unknowns: 3 * coarse_nodes,
         fixes: scene.fixes.len(),
         loads: scene.loads.len(),
         direct_bytes: memory::direct(3 * fine_nodes),
         iterative_bytes: memory::iterative(3 * fine_nodes),
-    }
+    })
 }
 
-/// The grid of coarse cells; one is void if all its fine cells are.
-fn coarse_grid(grid: &VoxelGrid, degree: usize) -> VoxelGrid {
-    let cells = grid.lattice.cells.map(|n| n.div_ceil(degree));
-    let spacing = grid.spacing.map(|h| h * degree as f64);
-    let mut coarse = VoxelGrid::uniform(cells, spacing, grosgrain::mesh::Label(0));
-    coarse.void.fill(true);
-    let lattice: Lattice = coarse.lattice;
-    for (cell, _) in grid.void.iter().enumerate().filter(|(_, void)| !**void) {
-        let at = grid.lattice.cell_position(grosgrain::mesh::Cell(cell)).map(|i| i / degree);
-        coarse.void[lattice.cell(at).0] = false;
-    }
-    coarse
+/// The mesh that a run would coarsen the body to.
+fn coarse_mesh(grid: &VoxelGrid, coarsening: &Coarsening) -> Result<CoarseMesh, Failure> {
+    let padded = pad_to_multiple(grid, coarsening.degree, Label(0)).grid;
+    let partition =
+        Partition::new(padded.lattice, coarsening.degree).map_err(|error| Failure::Unusable(error.to_string()))?;
+    Ok(match coarsening.split {
+        true => CoarseMesh::new(&padded.void, &partition),
+        false => CoarseMesh::unsplit(&padded.void, &partition),
+    })
 }
 
 fn materials(body: &Body) -> Vec<MaterialSummary> {

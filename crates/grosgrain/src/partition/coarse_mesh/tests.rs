@@ -100,6 +100,21 @@ fn an_island_has_vertices_of_its_own() {
 }
 
 #[test]
+fn nodes_that_a_neighbour_touches_are_tied_where_it_shares_a_vertex() {
+    let tied_of_first = |solid: fn([usize; 3]) -> bool| {
+        let mesh = mesh_of([6, 3, 3], 3, solid);
+        let nodes = |marks: Vec<bool>| -> Vec<usize> { (0..64).filter(|n| marks[*n]).collect() };
+        let (own, tied) = (nodes(mesh.touched_nodes(mesh.elements()[0])), nodes(mesh.tied_nodes(mesh.elements()[0])));
+        assert_eq!(own, (0..32).collect::<Vec<_>>());
+        tied[own.len()..].to_vec()
+    };
+    // A layer beside a full cell, whose nodes at x = 3 move along; beside a layer that it does not meet; and below another part of its own cell.
+    assert_eq!(tied_of_first(|[i, _, k]| i >= 3 || k == 0), [35, 39, 43, 47, 51, 55, 59, 63]);
+    assert_eq!(tied_of_first(|[i, _, k]| if i < 3 { k == 0 } else { k == 2 }), []);
+    assert_eq!(tied_of_first(|[i, _, k]| i < 3 && k != 1), []);
+}
+
+#[test]
 fn an_unsplit_mesh_has_one_element_per_cell_and_one_vertex_per_node() {
     let partition = Partition::new(Lattice::new([6, 3, 3]), 3).unwrap();
     let void: Vec<bool> = (0..54).map(|c| c / 6 / 3 == 1 || c % 6 > 2).collect();
