@@ -7,6 +7,7 @@ use grosgrain::coarse::{BuildOptions, Method, build};
 use grosgrain::coarsening::BaseKind;
 use grosgrain::dynamics::{solve_coarse, solve_fine};
 use grosgrain::fine::{FineModel, gravity};
+use grosgrain::mesh::Cell;
 use grosgrain::progress::silent;
 use grosgrain::solver::SolverChoice;
 use grosgrain::training::TrainingKind;
@@ -61,6 +62,20 @@ fn training_functions_stiffness_and_coarse_solutions_are_alike_for_any_number_of
     for method in [Method::Trilinear, Method::Average] {
         alike_with_1_2_and_5_threads(&format!("{method:?}"), || coarse_bits(&model, method, BaseKind::Harmonic));
     }
+}
+
+#[test]
+fn solutions_of_split_models_are_alike_for_any_number_of_threads() {
+    let solid = random_model([12, 6, 6], [1.0, 0.5, 2.0], 1e3, 0.4, 41);
+    let mut grid = solid.grid().clone();
+    for cell in 0..grid.void.len() {
+        grid.void[cell] = grid.lattice.cell_position(Cell(cell))[2] == 2;
+    }
+    let model = FineModel::new(grid, &table(&[isotropic(1.0, 0.4)])).unwrap();
+    let options = BuildOptions { method: Method::Trilinear, ..BuildOptions::default() };
+    assert!(!build(&model, 2, &options, &silent).unwrap().model.mesh().is_lattice());
+    let one_ring = Method::Trained(TrainingKind::OneRing);
+    alike_with_1_2_and_5_threads("split", || coarse_bits(&model, one_ring, BaseKind::Harmonic));
 }
 
 #[test]

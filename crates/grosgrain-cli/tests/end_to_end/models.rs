@@ -127,6 +127,53 @@ fn masses_sum_to_that_of_the_body() {
     assert!((sum - expected).abs() < 1e-12 * expected, "{sum} kg, {expected} kg");
 }
 
+/// Two plates a voxel apart in coarse cells of degree 4: 16 × 4 × 4 cells whose layers along z are solid, void, solid, void.
+fn plates(split: bool) -> String {
+    let stiff = "[materials.stiff]\nlabel = 1\nyoung = 5e6\npoisson = 0.45\ndensity = 1500.0\n";
+    let degree = format!("degree = 4\nsplit = {split}");
+    let layers = "direction = [0, 0, 1], period = 2, labels = [0, 1] }\nvoid = [1]";
+    let changes = [
+        ["direction = [1, 0, 1], period = 4, labels = [0, 1] }", layers],
+        [stiff, ""],
+        ["degree = 2", degree.as_str()],
+    ];
+    changed(SMALL, changes)
+}
+
+#[test]
+fn parts_of_a_coarse_cell_are_rows_of_their_own_unless_splitting_is_off() {
+    let folder = tempfile::tempdir().unwrap();
+    for (split, elements, vertices) in [(true, 8, 40), (false, 4, 20)] {
+        std::fs::write(folder.path().join("scene.toml"), plates(split)).unwrap();
+        grosgrain(folder.path(), &["coarsen", "scene.toml", "-o", "model.npz", "--json", "figures.json"]).done();
+        let mut file = NpzReader::new(File::open(folder.path().join("model.npz")).unwrap()).unwrap();
+        let cells: Array2<i64> = array(&mut file, "cells", &[elements, 3]);
+        let part: Array1<i64> = array(&mut file, "part", &[elements]);
+        let per_cell = elements / 4;
+        for (row, part) in part.iter().enumerate() {
+            assert_eq!((cells[[row, 0]], *part), ((row / per_cell) as i64, (row % per_cell) as i64));
+        }
+        let _: Array2<f64> = array(&mut file, "nodes", &[vertices, 3]);
+        let corners: Array2<i64> = array(&mut file, "corners", &[elements, 8]);
+        let used: std::collections::BTreeSet<i64> = corners.iter().copied().collect();
+        assert_eq!(used, (0..vertices as i64).collect());
+        let mass: Array1<f64> = array(&mut file, "mass", &[vertices]);
+        let expected = 1000.0 * 0.16 * 0.04 * 0.02;
+        assert!((mass.sum() - expected).abs() < 1e-12 * expected, "{} kg, {expected} kg", mass.sum());
+        let figures = json(&folder.path().join("figures.json"));
+        assert_eq!(
+            (figures["cells"].as_u64(), figures["nodes"].as_u64()),
+            (Some(elements as u64), Some(vertices as u64))
+        );
+        let inspected = grosgrain(folder.path(), &["inspect", "scene.toml", "--json"]);
+        assert!(inspected.stdout.contains(&format!("\"coarse_nodes\": {vertices}")), "{}", inspected.stdout);
+        let run = grosgrain(folder.path(), &["simulate", "scene.toml", "-o", "out"]);
+        assert_eq!(run.code, Some(0), "{}", run.stderr);
+        let report = json(&folder.path().join("out/report.json"));
+        assert_eq!(report["coarse"]["unknowns"].as_u64(), Some(3 * vertices as u64), "{report}");
+    }
+}
+
 #[test]
 fn results_have_the_same_bytes_with_one_thread_and_with_two() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,11 +1,14 @@
 //! How many copies of a coarse node there are, and which of the parts around it uses which.
 
 use super::parts::VOID;
-use super::{CoarseNode, Partition};
+use super::{CoarseCell, CoarseNode, Partition};
 use crate::mesh::{Lattice, Node};
 
 /// The up to eight coarse cells around a node: bit a of the index says whether the cell lies beyond the node along axis a.
 type Around = [Option<usize>; 8];
+
+/// The slot of a fine cell that is void or outside of the body's lattice.
+const NONE: u32 = u32::MAX;
 
 /// Ties the parts around a coarse node that share fine nodes, with room that is used again from node to node.
 ///
@@ -18,11 +21,14 @@ pub(super) struct CopyFinder {
     /// A slot of the same copy with a number no larger; of itself if it is the smallest.
     parent: Vec<u32>,
     copies: u32,
+    /// Slot of every fine cell of the eight coarse cells, x fastest, with a border of cells that have none.
+    slots: Vec<u32>,
 }
 
 impl CopyFinder {
     pub(super) fn new(partition: &Partition) -> Self {
-        Self { partition: *partition, first_slot: [0; 8], parent: Vec::new(), copies: 0 }
+        let slots = vec![NONE; (2 * partition.degree() + 2).pow(3)];
+        Self { partition: *partition, first_slot: [0; 8], parent: Vec::new(), copies: 0, slots }
     }
 
     /// Finds the copies of `node` and returns their number; `part_of` is per fine cell, `counts` per coarse cell.
@@ -35,11 +41,27 @@ impl CopyFinder {
             self.parent.extend(*first..*first + count);
         }
         self.copies = self.parent.len() as u32;
-        self.tie_at([0; 3], node, part_of);
-        if self.copies > 1 {
-            self.tie_around(node, part_of);
+        if self.copies > 1 && !self.all_touch(&around, part_of) {
+            self.gather(&around, part_of);
+            self.tie_around();
+            return self.number();
         }
-        self.number()
+        self.parent.fill(0);
+        self.copies
+    }
+
+    /// Whether all slots touch the coarse node itself, so that there is one copy: the common case, decided from eight fine cells.
+    fn all_touch(&mut self, around: &Around, part_of: &[u32]) -> bool {
+        let (fine, d) = (self.partition.fine(), self.partition.degree());
+        let touches = |(beyond, cell): (usize, &Option<usize>)| {
+            let Some(cell) = *cell else { return false };
+            let start = self.partition.cell_box(CoarseCell(cell)).start;
+            let at = std::array::from_fn(|a| start[a] + if beyond >> a & 1 == 1 { 0 } else { d - 1 });
+            part_of[fine.cell(at).0] != VOID
+        };
+        let all = around.iter().enumerate().filter(|cell| touches(*cell)).count() == self.parent.len();
+        self.copies = if all { 1 } else { self.copies };
+        all
     }
 
     /// The copy that part number `part` of the cell with the node as its corner number `corner` uses.
@@ -47,14 +69,34 @@ impl CopyFinder {
         self.parent[(self.first_slot[7 - corner] + part) as usize]
     }
 
+    /// Writes the slots of the fine cells of all eight coarse cells.
+    fn gather(&mut self, around: &Around, part_of: &[u32]) {
+        let (fine, d) = (self.partition.fine(), self.partition.degree());
+        let width = 2 * d + 2;
+        for (beyond, cell) in around.iter().enumerate() {
+            let start = cell.map(|cell| self.partition.cell_box(CoarseCell(cell)).start);
+            let corner = [0, 1, 2].map(|a| 1 + d * (beyond >> a & 1));
+            for (j, k) in (0..d * d).map(|n| (n % d, n / d)) {
+                let row = &mut self.slots[corner[0] + width * (corner[1] + j + width * (corner[2] + k))..][..d];
+                let Some([x, y, z]) = start else {
+                    row.fill(NONE);
+                    continue;
+                };
+                let parts = &part_of[fine.cell([x, y + j, z + k]).0..][..d];
+                let first = self.first_slot[beyond];
+                row.iter_mut().zip(parts).for_each(|(slot, p)| *slot = if *p == VOID { NONE } else { first + p });
+            }
+        }
+    }
+
     /// Ties over all fine nodes on faces between the cells around the node.
-    fn tie_around(&mut self, node: CoarseNode, part_of: &[u32]) {
-        let d = self.partition.degree() as isize;
+    fn tie_around(&mut self) {
+        let d = self.partition.degree();
+        let strides = [1, 2 * d + 2, (2 * d + 2).pow(2)];
         for axis in 0..3 {
-            for (p, q) in (-d..=d).flat_map(|p| (-d..=d).map(move |q| (p, q))) {
-                let mut offset = [0; 3];
-                (offset[(axis + 1) % 3], offset[(axis + 2) % 3]) = (p, q);
-                self.tie_at(offset, node, part_of);
+            let [across, along, up] = [0, 1, 2].map(|a| strides[(axis + a) % 3]);
+            for (p, q) in (0..=2 * d).flat_map(|p| (0..=2 * d).map(move |q| (p, q))) {
+                self.tie_at(d * across + p * along + q * up, strides);
                 if self.copies == 1 {
                     return;
                 }
@@ -62,30 +104,18 @@ impl CopyFinder {
         }
     }
 
-    /// Ties the slots that touch the fine node `offset` away from the coarse node.
-    fn tie_at(&mut self, offset: [isize; 3], node: CoarseNode, part_of: &[u32]) {
-        let d = self.partition.degree() as isize;
-        let fine = self.partition.fine();
-        let at = self.partition.coarse().node_position(Node(node.0)).map(|x| x as isize * d);
-        let mut first = None;
-        for beyond in 0..8 {
-            // Fine cell relative to the coarse node.
-            let from: [isize; 3] = std::array::from_fn(|a| offset[a] - 1 + (beyond >> a & 1));
-            let inside =
-                |a: usize| (-d..d).contains(&from[a]) && (0..fine.cells[a] as isize).contains(&(at[a] + from[a]));
-            if !(0..3).all(inside) {
+    /// Ties the slots that touch a fine node; `first` is the first of the cells around that node.
+    fn tie_at(&mut self, first: usize, [x, y, z]: [usize; 3]) {
+        let mut known = NONE;
+        for cell in [0, x, y, x + y, z, x + z, y + z, x + y + z] {
+            let slot = self.slots[first + cell];
+            if slot == NONE || slot == known {
                 continue;
             }
-            let part = part_of[fine.cell(std::array::from_fn(|a| (at[a] + from[a]) as usize)).0];
-            if part == VOID {
-                continue;
+            if known != NONE {
+                self.tie(known, slot);
             }
-            let cell = (0..3).fold(0, |bits, a| bits | usize::from(from[a] >= 0) << a);
-            let slot = self.first_slot[cell] + part;
-            match first {
-                None => first = Some(slot),
-                Some(other) => self.tie(other, slot),
-            }
+            known = slot;
         }
     }
 
