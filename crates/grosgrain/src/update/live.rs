@@ -2,14 +2,12 @@
 
 use std::time::Instant;
 
-use super::{Edit, Editor, LiveError, LiveOptions, UpdateReport, resolve_all};
+use super::{Edit, Editor, LiveCoarse, LiveError, LiveOptions, UpdateReport, resolve_all};
 use crate::coarse::CoarseModel;
-use crate::coarsening::{ElementFitter, Objective, ShapeFunctions};
 use crate::fine::{CellState, FineModel};
 use crate::mesh::Cell;
-use crate::partition::{CellPart, CoarseCell, CoarseMesh, Partition};
 use crate::progress::{Progress, silent};
-use crate::training::{Trainer, TrainingKind, run_time_training};
+use crate::training::TrainingKind;
 
 /// Motion of the vertices of a coarse model, three numbers each; see [`CoarseMesh::vertices`].
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -26,12 +24,9 @@ pub struct CoarseState {
 /// trained, fitted and assembled again. The result is that of a build from scratch with the same training.
 pub struct LiveModel {
     fine: FineModel,
-    coarse: CoarseModel,
+    coarse: LiveCoarse,
     /// Displacement and velocity of the coarse vertices: yours to step; carried across edits.
     pub state: CoarseState,
-    trainer: Trainer,
-    training: TrainingKind,
-    fitter: ElementFitter,
     editor: Editor,
     held: Vec<bool>,
 }
@@ -53,20 +48,11 @@ impl LiveModel {
         progress: Progress<'_>,
     ) -> Result<Self, LiveError> {
         assert_eq!(held.len(), fine.grid().lattice.node_count(), "one entry per node");
-        let partition = Partition::new(fine.grid().lattice, degree)?;
-        let void = &fine.grid().void;
-        let mesh =
-            if options.split { CoarseMesh::new(void, &partition) } else { CoarseMesh::unsplit(void, &partition) };
-        let training = run_time_training(&partition, options.training);
-        let mut trainer = Trainer::new(&partition, training)?;
-        let fitter = ElementFitter::new(&partition, fine.grid().spacing, (options.base, Objective::ClosedForm))?;
-        let data = trainer.train(&fine, &mesh, mesh.elements(), progress)?;
-        let functions = fitter.fit(&fine, &mesh, &data, progress)?;
-        let coarse = CoarseModel::galerkin(&fine, mesh, functions);
-        let unknowns = 3 * coarse.mesh().vertices().len();
+        let coarse = LiveCoarse::new(&fine, degree, options, progress)?;
+        let unknowns = 3 * coarse.model().mesh().vertices().len();
         let state = CoarseState { displacement: vec![0.0; unknowns], velocity: vec![0.0; unknowns] };
         let editor = Editor::new(options.undo_depth.max(1), options.loose);
-        Ok(Self { fine, coarse, state, trainer, training, fitter, editor, held })
+        Ok(Self { fine, coarse, state, editor, held })
     }
 
     /// The body.
@@ -76,12 +62,12 @@ impl LiveModel {
 
     /// Its coarse model.
     pub fn coarse(&self) -> &CoarseModel {
-        &self.coarse
+        self.coarse.model()
     }
 
     /// The training that was chosen.
     pub fn training(&self) -> TrainingKind {
-        self.training
+        self.coarse.training()
     }
 
     /// Number of updates that can be undone.
@@ -114,8 +100,8 @@ impl LiveModel {
         report.seconds.edit = start.elapsed().as_secs_f64();
         report.loose = loose;
         let topology = resolved.removed + resolved.added > 0;
-        match self.renew(&changed, topology, report, progress) {
-            Ok(mut report) => {
+        match self.renew(&changed, topology, &mut report, progress) {
+            Ok(()) => {
                 report.seconds.total = start.elapsed().as_secs_f64();
                 Ok(report)
             }
@@ -137,8 +123,9 @@ impl LiveModel {
         let Some(changed) = self.editor.undo(&mut self.fine).map_err(LiveError::Edit)? else { return Ok(None) };
         let changed = changed.to_vec();
         let topology = now.iter().any(|(cell, state)| state.void != self.fine.state(*cell).void);
-        match self.renew(&changed, topology, UpdateReport::default(), progress) {
-            Ok(mut report) => {
+        let mut report = UpdateReport::default();
+        match self.renew(&changed, topology, &mut report, progress) {
+            Ok(()) => {
                 report.seconds.total = start.elapsed().as_secs_f64();
                 Ok(Some(report))
             }
@@ -149,48 +136,20 @@ impl LiveModel {
         }
     }
 
-    /// Trains, fits and assembles what depends on the changed fine cells; nothing is taken over before all of it has succeeded.
+    /// Renews the coarse model and carries the motion over to it.
     fn renew(
         &mut self,
         changed: &[Cell],
         topology: bool,
-        mut report: UpdateReport,
+        report: &mut UpdateReport,
         progress: Progress<'_>,
-    ) -> Result<UpdateReport, LiveError> {
-        let mut clock = Instant::now();
-        let mut lap = || std::mem::replace(&mut clock, Instant::now()).elapsed().as_secs_f64();
-        let coarse_changed = self.coarse_cells_of(changed);
-        let mut mesh = self.coarse.mesh().clone();
-        if topology {
-            mesh.update(&self.fine.grid().void, &coarse_changed);
+    ) -> Result<(), LiveError> {
+        let old = self.coarse.renew(&self.fine, changed, topology, report, progress)?;
+        if let Some(old) = old {
+            let mesh = self.coarse.model().mesh();
+            self.state.displacement = mesh.carry(&old, &self.state.displacement);
+            self.state.velocity = mesh.carry(&old, &self.state.velocity);
         }
-        let dirty = self.trainer.reach(&coarse_changed);
-        let elements: Vec<CellPart> =
-            dirty.iter().flat_map(|c| mesh.elements()[mesh.elements_of(*c)].iter().copied()).collect();
-        report.seconds.topology = lap();
-        let data = self.trainer.train(&self.fine, &mesh, &elements, progress)?;
-        report.seconds.training = lap();
-        let functions: ShapeFunctions = self.fitter.fit(&self.fine, &mesh, &data, progress)?;
-        report.seconds.fitting = lap();
-        if topology {
-            let old = self.coarse.mesh();
-            self.state.displacement = mesh.carry(old, &self.state.displacement);
-            self.state.velocity = mesh.carry(old, &self.state.velocity);
-        }
-        self.coarse.replace(&self.fine, mesh, functions);
-        report.seconds.assembly = lap();
-        report.changed_fine = changed.len();
-        report.changed = coarse_changed.len();
-        report.dirty = elements.len();
-        Ok(report)
-    }
-
-    /// The coarse cells that hold fine cells, ascending.
-    fn coarse_cells_of(&self, fine: &[Cell]) -> Vec<CoarseCell> {
-        let partition = self.coarse.partition();
-        let mut cells: Vec<CoarseCell> = fine.iter().map(|cell| partition.coarse_cell_of(*cell)).collect();
-        cells.sort_unstable();
-        cells.dedup();
-        cells
+        Ok(())
     }
 }

@@ -5,6 +5,7 @@ mod batch;
 mod edit;
 mod history;
 mod live;
+mod live_coarse;
 mod loose;
 mod report;
 
@@ -13,5 +14,6 @@ pub use batch::{Batch, resolve_all};
 pub use edit::{BatchError, Change, Edit, EditError, Region, Resolved};
 pub use history::History;
 pub use live::{CoarseState, LiveModel};
+pub use live_coarse::LiveCoarse;
 pub use loose::{LooseParts, LooseReport, LooseSearch};
 pub use report::{LiveError, LiveOptions, UpdateReport, UpdateSeconds};
