@@ -11,6 +11,7 @@ pub mod interruption;
 pub mod machine;
 pub mod memory;
 pub mod method;
+pub mod models;
 pub mod outcome;
 pub mod output;
 pub mod picture;

@@ -18,6 +18,8 @@ pub enum Method {
     Average,
     /// Shape functions fitted to training data.
     Coarsened(TrainingKind),
+    /// The exact training, global or one-ring, that is cheaper to renew after an edit.
+    Auto,
 }
 
 /// Why a name is no method.
@@ -25,7 +27,7 @@ pub enum Method {
 #[non_exhaustive]
 pub enum MethodError {
     /// No method has the name.
-    #[error("{name:?} is no method{hint}; expected fine, trilinear, average, global, one-ring or single-cell")]
+    #[error("{name:?} is no method{hint}; expected fine, trilinear, average, global, one-ring, single-cell or auto")]
     Unknown {
         /// What was given.
         name: String,
@@ -34,7 +36,7 @@ pub enum MethodError {
     },
     /// The method exists, but not here.
     #[error(
-        "{0:?} is not in this version; it has fine, trilinear, average, global, one-ring and single-cell, \
+        "{0:?} is not in this version; it has fine, trilinear, average, global, one-ring, single-cell and auto, \
          with 6 training fields"
     )]
     NotYet(String),
@@ -42,13 +44,14 @@ pub enum MethodError {
 
 impl Method {
     /// Every method with its name.
-    pub const ALL: [(&'static str, Self); 6] = [
+    pub const ALL: [(&'static str, Self); 7] = [
         ("fine", Self::Fine),
         ("trilinear", Self::Trilinear),
         ("average", Self::Average),
         ("global", Self::Coarsened(TrainingKind::Global)),
         ("one-ring", Self::Coarsened(TrainingKind::OneRing)),
         ("single-cell", Self::Coarsened(TrainingKind::SingleCell)),
+        ("auto", Self::Auto),
     ];
 
     /// The method of a scene's training.
@@ -59,7 +62,7 @@ impl Method {
         match training {
             Training::Kind(kind) => Ok(Self::Coarsened(kind)),
             Training::Substructured => Err(MethodError::NotYet("substructured".into())),
-            Training::Auto => Err(MethodError::NotYet("auto".into())),
+            Training::Auto => Ok(Self::Auto),
         }
     }
 
@@ -72,6 +75,7 @@ impl Method {
             Self::Coarsened(TrainingKind::Global) => "global",
             Self::Coarsened(TrainingKind::OneRing) => "one-ring",
             Self::Coarsened(TrainingKind::SingleCell) => "single-cell",
+            Self::Auto => "auto",
         }
     }
 }
@@ -82,7 +86,7 @@ impl FromStr for Method {
     fn from_str(name: &str) -> Result<Self, MethodError> {
         let (stem, fields) = name.split_once('+').map_or((name, None), |(stem, n)| (stem, Some(n)));
         let known = Self::ALL.iter().find(|(known, _)| *known == stem).map(|(_, method)| *method);
-        let trained = matches!(known, Some(Self::Coarsened(_))) || stem == "substructured";
+        let trained = matches!(known, Some(Self::Coarsened(_) | Self::Auto)) || stem == "substructured";
         match (known, fields) {
             (Some(method), None) => Ok(method),
             (Some(method), Some("6")) if trained => Ok(method),

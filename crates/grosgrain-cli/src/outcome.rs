@@ -66,6 +66,14 @@ pub fn build_coarse(problem: &Problem, method: Method, progress: &Progress) -> R
 /// As [`build_coarse`]; a system that is not solved.
 pub fn run_coarse(problem: &Problem, method: Method, progress: &Progress) -> Result<CoarseRun, Failure> {
     let built = build_coarse(problem, method, progress)?;
+    solve_built(problem, built, progress)
+}
+
+/// Solves a coarse model.
+///
+/// # Errors
+/// A system that is not solved; an interruption.
+pub fn solve_built(problem: &Problem, built: Built, progress: &Progress) -> Result<CoarseRun, Failure> {
     let start = Instant::now();
     let report = |stage, done, total| progress.report(stage, done, total);
     let solution = solve_coarse(&built.model, &problem.fixed, &problem.loads, &report);

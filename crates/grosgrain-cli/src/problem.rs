@@ -7,6 +7,8 @@ use std::time::Instant;
 use grosgrain::coarse::BuildOptions;
 use grosgrain::fine::FineModel;
 use grosgrain::mesh::{Label, Volume, VoxelGrid, pad_to_multiple};
+use grosgrain::partition::Partition;
+use grosgrain::training::{RunTimeTraining, TrainingKind, run_time_training};
 
 use crate::body::{build_body, held_nodes, loose_when_held};
 use crate::failure::Failure;
@@ -114,10 +116,22 @@ impl Problem {
             Method::Fine => return None,
             Method::Trilinear => grosgrain::coarse::Method::Trilinear,
             Method::Average => grosgrain::coarse::Method::Average,
-            Method::Coarsened(kind) => grosgrain::coarse::Method::Trained(kind),
+            Method::Coarsened(_) | Method::Auto => grosgrain::coarse::Method::Trained(self.run_time_training(method)?),
         };
         let coarsening = &self.scene.coarsening;
         Some(BuildOptions { method, base: coarsening.base, objective: coarsening.objective, split: coarsening.split })
+    }
+
+    /// The training of a coarsened method, of which `auto` is one; `None` for the others.
+    pub fn run_time_training(&self, method: Method) -> Option<TrainingKind> {
+        let training = match method {
+            Method::Fine | Method::Trilinear | Method::Average => return None,
+            Method::Coarsened(kind) => RunTimeTraining::Fixed(kind),
+            Method::Auto => RunTimeTraining::default(),
+        };
+        // The lattice was padded to a multiple of the degree.
+        let partition = Partition::new(self.model.grid().lattice, self.scene.coarsening.degree).ok()?;
+        Some(run_time_training(&partition, training))
     }
 
     /// Size of the fine model.

@@ -3,14 +3,14 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Instant;
 
-use grosgrain::fine::CellState;
 use grosgrain::mesh::Cell;
 use grosgrain::update::{Applied, Batch, Editor, LooseReport};
 
 use crate::failure::Failure;
 use crate::interruption;
 use crate::method::Method;
-use crate::outcome::{CoarseRun, FineRun, run_coarse, run_fine};
+use crate::models::Models;
+use crate::outcome::{CoarseRun, FineRun};
 use crate::problem::Problem;
 use crate::progress::Progress;
 use crate::quantities::counted;
@@ -62,13 +62,14 @@ pub fn run(
     mut on_step: impl FnMut(&Problem, Step<'_>) -> Result<(), Failure>,
 ) -> Result<Sequence, Failure> {
     let mut editor = Editor::new(0, problem.scene.body.loose);
-    let last = solve(problem, method, progress)?;
+    let mut models = Models::new(problem, method, schedule, progress)?;
+    let last = models.solve(problem, progress)?;
     let mut sequence = Sequence { last, frames: Vec::new(), edits: Vec::new(), seconds: BTreeMap::new() };
     sequence.add_seconds();
     for number in 0..=schedule.steps() {
         interruption::check()?;
         if number > 0 {
-            sequence.edit((problem, method), (schedule, number), &mut editor, progress)?;
+            sequence.edit((problem, &mut models), (schedule, number), &mut editor, progress)?;
         }
         let step = Step { number, time: schedule.time(number), runs: &sequence.last };
         on_step(problem, step)?;
@@ -90,7 +91,7 @@ impl Sequence {
     /// Makes the edits of a step and solves anew if they changed anything.
     fn edit(
         &mut self,
-        (problem, method): (&mut Problem, Method),
+        (problem, models): (&mut Problem, &mut Models),
         (schedule, number): (&EditSchedule, usize),
         editor: &mut Editor,
         progress: &Progress,
@@ -133,10 +134,10 @@ impl Sequence {
         };
         let mut total = start.elapsed().as_secs_f64();
         if !changed.is_empty() {
-            self.last = update((problem, method), editor, progress)?;
+            self.last = models.update(problem, &changed, editor, progress)?;
             self.add_seconds();
             if let Some(run) = &self.last.coarse {
-                row.dirty_cells = run.size().cells;
+                row.dirty_cells = models.dirty;
                 let stages = run.seconds.iter().filter(|(stage, _)| *stage != "solve");
                 row.seconds = stages.map(|(stage, s)| (stage.clone(), *s)).collect();
                 total += run.build_seconds();
@@ -154,47 +155,6 @@ impl Sequence {
             *self.seconds.entry(stage).or_default() += seconds;
         }
     }
-}
-
-/// Brings the models of a method up to date with a changed fine model, and solves them. Coarse models are built anew.
-///
-/// Loose parts that were kept have no static equilibrium: they are set aside for the solution and do not move.
-fn update(
-    (problem, method): (&mut Problem, Method),
-    editor: &mut Editor,
-    progress: &Progress,
-) -> Result<Runs, Failure> {
-    let (_, loose) = editor.loose(&problem.model, &problem.fixed);
-    let void = |cell: &Cell| (*cell, CellState { void: true, ..problem.model.state(*cell) });
-    let aside: Vec<(Cell, CellState)> = loose.iter().map(void).collect();
-    let mut previous = Vec::new();
-    if problem.model.change(&aside, &mut previous).is_err() {
-        let sentence = "after the edit nothing of the body is held, so it has no static equilibrium; keep a held part";
-        return Err(Failure::Failed(sentence.into()));
-    }
-    problem.loads = problem.placed.assemble(&problem.model);
-    let runs = solve(problem, method, progress);
-    problem.model.restore(&previous).map_err(|error| Failure::Failed(error.to_string()))?;
-    runs
-}
-
-/// Builds what the method needs and solves it.
-fn solve(problem: &Problem, method: Method, progress: &Progress) -> Result<Runs, Failure> {
-    let coarse = match method {
-        Method::Fine => None,
-        _ => {
-            progress.say(&format!("building the coarse model: {method}"));
-            Some(run_coarse(problem, method, progress)?)
-        }
-    };
-    let fine = match method == Method::Fine || problem.scene.output.compare_with_fine {
-        true => {
-            progress.say("solving the fine model");
-            Some(run_fine(problem, progress)?)
-        }
-        false => None,
-    };
-    Ok(Runs { coarse, fine })
 }
 
 /// Number of coarse cells that hold any of these fine cells.

@@ -50,7 +50,8 @@ pub fn run(arguments: &Arguments, progress: &Progress) -> Result<(), Failure> {
     problem.require_support()?;
     problem.tell_idle_edits(progress);
     let methods = match arguments.methods.is_empty() {
-        true => Method::ALL.map(|(_, method)| method).to_vec(),
+        // The method auto is one of the others.
+        true => Method::ALL.iter().map(|(_, method)| *method).filter(|method| *method != Method::Auto).collect(),
         false => arguments.methods.clone(),
     };
     let _folder = arguments.json.as_deref().map(OutputFolder::around).transpose()?;

@@ -48,7 +48,7 @@ impl LiveModel {
         progress: Progress<'_>,
     ) -> Result<Self, LiveError> {
         assert_eq!(held.len(), fine.grid().lattice.node_count(), "one entry per node");
-        let coarse = LiveCoarse::new(&fine, degree, options, progress)?;
+        let coarse = LiveCoarse::new(&fine, degree, options, &mut UpdateReport::default(), progress)?;
         let unknowns = 3 * coarse.model().mesh().vertices().len();
         let state = CoarseState { displacement: vec![0.0; unknowns], velocity: vec![0.0; unknowns] };
         let editor = Editor::new(options.undo_depth.max(1), options.loose);

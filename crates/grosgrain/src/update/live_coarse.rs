@@ -22,7 +22,7 @@ pub struct LiveCoarse {
 }
 
 impl LiveCoarse {
-    /// Coarsens a body.
+    /// Coarsens a body; `report` tells how long the stages took, and counts every element as dirty.
     ///
     /// # Errors
     /// A degree that does not divide the lattice, training or fitting that fails, an interruption.
@@ -30,6 +30,7 @@ impl LiveCoarse {
         fine: &FineModel,
         degree: usize,
         options: &LiveOptions,
+        report: &mut UpdateReport,
         progress: Progress<'_>,
     ) -> Result<Self, LiveError> {
         let partition = Partition::new(fine.grid().lattice, degree)?;
@@ -38,12 +39,20 @@ impl LiveCoarse {
             true => CoarseMesh::new(void, &partition),
             false => CoarseMesh::unsplit(void, &partition),
         };
+        let mut clock = Instant::now();
+        let mut lap = || std::mem::replace(&mut clock, Instant::now()).elapsed().as_secs_f64();
         let training = run_time_training(&partition, options.training);
         let mut trainer = Trainer::new(&partition, training)?;
         let fitter = ElementFitter::new(&partition, fine.grid().spacing, (options.base, Objective::ClosedForm))?;
+        report.seconds.topology = lap();
         let data = trainer.train(fine, &mesh, mesh.elements(), progress)?;
+        report.seconds.training = lap();
         let functions = fitter.fit(fine, &mesh, &data, progress)?;
-        Ok(Self { model: CoarseModel::galerkin(fine, mesh, functions), trainer, training, fitter })
+        report.seconds.fitting = lap();
+        report.dirty = mesh.elements().len();
+        let model = CoarseModel::galerkin(fine, mesh, functions);
+        report.seconds.assembly = lap();
+        Ok(Self { model, trainer, training, fitter })
     }
 
     /// The coarse model.
