@@ -4,6 +4,16 @@
 #[allow(dead_code, reason = "the example's own main is not called here")]
 mod coarsen_beam;
 
+#[path = "../examples/edit_in_a_loop.rs"]
+#[allow(dead_code, reason = "the example's own main is not called here")]
+mod edit_in_a_loop;
+
+#[test]
+fn a_beam_that_is_cut_in_a_loop_sinks_at_every_frame() {
+    let tip = edit_in_a_loop::run(false).unwrap();
+    assert!(tip.windows(2).all(|pair| pair[1] < 1.01 * pair[0] && pair[1] < 0.0), "{tip:?}");
+}
+
 #[test]
 fn the_first_example_has_the_error_of_the_same_beam_in_the_golden_file() {
     // tests/golden: one-ring, harmonic base, layers across: 25 %.

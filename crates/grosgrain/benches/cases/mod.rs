@@ -6,6 +6,7 @@ pub mod coarse;
 pub mod fitting;
 pub mod harmonic;
 pub mod lattice;
+pub mod updates;
 
 use std::time::Duration;
 

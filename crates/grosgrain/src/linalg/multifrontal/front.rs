@@ -18,6 +18,8 @@ pub(super) struct Elimination<'a> {
     /// Packed finished columns: per tile `padded` columns of 24 rows.
     pub panel: &'a mut [f64],
     pub stride: usize,
+    /// Rows that mean something: columns and extra rows.
+    pub rows: usize,
     /// Pivots, and the same rounded up to strips.
     pub pivots: usize,
     pub padded: usize,
@@ -46,8 +48,8 @@ impl pulp::WithSimd for Elimination<'_> {
                 self.divide(simd, tile, strip, &triangle);
             }
         }
-        for start in (0..self.padded).step_by(DEPTH) {
-            let depth = start..(start + DEPTH).min(self.padded);
+        for start in (0..self.pivots).step_by(DEPTH) {
+            let depth = start..(start + DEPTH).min(self.pivots);
             for tile in self.padded / TILE..tiles {
                 let end = (TILE * (tile + 1)).min(self.padded_columns);
                 for strip in (self.padded..end).step_by(STRIP) {
@@ -59,21 +61,27 @@ impl pulp::WithSimd for Elimination<'_> {
 }
 
 impl Elimination<'_> {
-    /// Subtracts the products of the finished columns `depth` from a tile of rows in a strip of columns.
+    /// Subtracts the products of the finished columns `depth` from the rows of a tile in a strip of columns, those above the diagonal and
+    /// beyond the last left out.
     #[inline(always)]
     fn subtract<S: pulp::Simd>(&mut self, simd: S, tile: usize, strip: usize, depth: std::ops::Range<usize>) {
         if depth.is_empty() {
             return;
         }
+        let first = strip.saturating_sub(TILE * tile);
+        let last = (self.rows - TILE * tile).min(TILE);
         // Eight lanes: 24 accumulators of 32 registers. Four lanes: 12 of 16.
-        match S::F64_LANES {
-            8 => self.subtract_block::<S, 3, 8>(simd, (tile, 0), (strip, 0), depth),
-            4 => {
-                for (rows, columns) in [(0, 0), (0, 4), (12, 0), (12, 4)] {
-                    self.subtract_block::<S, 3, 4>(simd, (tile, rows), (strip, columns), depth.clone());
+        match (S::F64_LANES, (last - first).div_ceil(STRIP)) {
+            (8, 3) => self.subtract_block::<S, 3, 8>(simd, (tile, first), (strip, 0), depth),
+            (8, 2) => self.subtract_block::<S, 2, 8>(simd, (tile, first), (strip, 0), depth),
+            (8, _) => self.subtract_block::<S, 1, 8>(simd, (tile, first), (strip, 0), depth),
+            (4, _) => {
+                for rows in [0, 12].into_iter().filter(|r| r + 12 > first && *r < last) {
+                    self.subtract_block::<S, 3, 4>(simd, (tile, rows), (strip, 0), depth.clone());
+                    self.subtract_block::<S, 3, 4>(simd, (tile, rows), (strip, 4), depth.clone());
                 }
             }
-            lanes => {
+            (lanes, _) => {
                 for rows in (0..TILE).step_by(2 * lanes) {
                     for columns in (0..STRIP).step_by(4) {
                         self.subtract_block::<S, 2, 4>(simd, (tile, rows), (strip, columns), depth.clone());
@@ -143,7 +151,9 @@ impl Elimination<'_> {
     /// Solves X L^T = A for a tile of rows of the strip, in place, and packs X into the panel.
     #[inline(always)]
     fn divide<S: pulp::Simd>(&mut self, simd: S, tile: usize, strip: usize, triangle: &[[f64; STRIP]; STRIP]) {
-        for row in (0..TILE).step_by(S::F64_LANES) {
+        let first = strip.saturating_sub(TILE * tile);
+        let last = (self.rows - TILE * tile).min(TILE);
+        for row in (first..last).step_by(S::F64_LANES) {
             let place = |c: usize| (strip + c) * self.stride + TILE * tile + row;
             let mut x = [simd.splat_f64s(0.0); STRIP];
             for (c, x) in x.iter_mut().enumerate() {

@@ -143,6 +143,7 @@ impl FrontalSolver {
             front: &mut self.front,
             panel: &mut self.panel,
             stride,
+            rows: front.columns() + self.extra,
             pivots: front.pivots,
             padded: front.padded,
             padded_columns: front.padded_columns(),
