@@ -72,6 +72,16 @@ impl LocalTrainer {
         cells: &[CoarseCell],
         progress: Progress<'_>,
     ) -> Result<Training, TrainingError> {
+        self.train_by(cells, progress, &|cell| self.train_cell(model, cell))
+    }
+
+    /// Training data of the listed cells from `matrix`, in parallel over cells.
+    pub(super) fn train_by(
+        &self,
+        cells: &[CoarseCell],
+        progress: Progress<'_>,
+        matrix: &(dyn Fn(CoarseCell) -> Result<Vec<f64>, SolverError> + Sync),
+    ) -> Result<Training, TrainingError> {
         // Cells after the first failure are skipped, so that the same one is reported whatever the threads do.
         let (done, failed) = (AtomicUsize::new(0), AtomicUsize::new(usize::MAX));
         let matrices: Vec<Result<Vec<f64>, TrainingError>> = cells
@@ -81,7 +91,7 @@ impl LocalTrainer {
                 if failed.load(Ordering::Relaxed) < index {
                     return Err(TrainingError::Interrupted);
                 }
-                let matrix = self.train_cell(model, cell).map_err(|source| {
+                let matrix = matrix(cell).map_err(|source| {
                     failed.fetch_min(index, Ordering::Relaxed);
                     self.failure(cell, source)
                 })?;
@@ -206,7 +216,7 @@ impl LocalTrainer {
 }
 
 /// A thread that panicked leaves the pools as they were: both hold finished values only.
-fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
+pub(super) fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 

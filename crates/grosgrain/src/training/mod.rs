@@ -5,10 +5,14 @@ mod condensed;
 mod global;
 mod local;
 mod rigid;
+mod substructured;
 
 pub use cell_data::Training;
 pub use global::HarmonicDisplacements;
 pub use local::{LocalTrainer, RingKind};
+pub use substructured::{InterfaceForces, InterfaceSpace, Means, Substructures};
+
+use std::sync::Arc;
 
 use crate::fine::FineModel;
 use crate::partition::{CoarseCell, Partition};
@@ -22,6 +26,8 @@ pub enum TrainingKind {
     Global,
     /// The cell and its neighbours, clipped at the object's boundary.
     OneRing,
+    /// The cell and its neighbours, coupled by a few means per interface; see [`Substructures`].
+    Substructured,
     /// The cell alone; known to be poor, kept as the reference.
     SingleCell,
 }
@@ -65,6 +71,12 @@ pub fn train(
         }
         TrainingKind::OneRing => {
             Ok((LocalTrainer::new(partition, RingKind::OneRing).train(model, cells, progress)?, None))
+        }
+        TrainingKind::Substructured => {
+            let harmonic = HarmonicDisplacements::solve(model, SolverChoice::Auto, progress)?;
+            let forces = Arc::new(InterfaceForces::new(model, partition, &harmonic));
+            let substructures = Substructures::new(model, forces, InterfaceSpace::default());
+            Ok((substructures.train(model, cells, progress)?, Some(harmonic.report)))
         }
         TrainingKind::SingleCell => {
             Ok((LocalTrainer::new(partition, RingKind::SingleCell).train(model, cells, progress)?, None))

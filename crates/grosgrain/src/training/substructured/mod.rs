@@ -1,0 +1,286 @@
+//! Training on the one-ring in substructures: every coarse cell is condensed to a few means per interface, and a ring couples those of its cells.
+//!
+//! A change of a cell renews that cell's cache and the small coupled problems of the rings that hold it (`he2022fast` §3.2, in the manner of
+//! FETI, `farhat1991method`, with exact rigid modes). Without a change the result is the initial global harmonic displacement.
+
+mod bound;
+mod cell;
+mod dense;
+mod forces;
+mod interface;
+mod pairs;
+mod ring;
+mod solids;
+mod space;
+mod topology;
+
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex};
+
+use rayon::prelude::*;
+
+pub use forces::InterfaceForces;
+pub use space::{InterfaceSpace, Means};
+
+use self::cell::{CellCache, CellSource, CellWorkspace, cell_plan, width};
+use self::forces::CellLoads;
+use self::interface::{Interface, interfaces, neighbours};
+use self::ring::{RingWorkspace, dual_multipliers};
+use self::solids::Solids;
+use self::topology::{Ring, RingShape};
+use super::cell_data::CellCutter;
+use super::local::lock;
+use super::rigid::remove_rigid_motion;
+use super::{LocalTrainer, RingKind, Training, TrainingError};
+use crate::fine::{FineModel, HARMONIC_FIELDS};
+use crate::linalg::FrontalPlan;
+use crate::mesh::{Cell, Lattice, Node, hull};
+use crate::partition::{CoarseCell, Partition};
+use crate::progress::Progress;
+
+/// The cells of a body, each condensed to its interfaces.
+///
+/// A cell of degree d with r rows (54 of an interior cell) keeps r² + 12 r + 3 (d + 1)³ (r + 6) numbers and the factor of its 3 (d + 1)³ unknowns: about
+/// 0.1, 0.5 and 4 MB at d = 2, 4 and 7. Results do not depend on the number of threads.
+pub struct Substructures {
+    forces: Arc<InterfaceForces>,
+    space: InterfaceSpace,
+    solids: Vec<Solids>,
+    loads: Vec<CellLoads>,
+    cells: Vec<Option<CellCache>>,
+    plan: Option<Arc<FrontalPlan>>,
+    cell_pool: Mutex<HashMap<usize, Vec<CellWorkspace>>>,
+    ring_pool: Mutex<HashMap<(RingShape, bool), RingPool>>,
+}
+
+#[derive(Default)]
+struct RingPool {
+    plan: Option<Arc<FrontalPlan>>,
+    idle: Vec<RingWorkspace>,
+}
+
+impl Substructures {
+    /// Condenses all cells of `model`, which may differ from the body that the forces were taken from.
+    ///
+    /// # Panics
+    /// Panics when the model's lattice is not that of the forces.
+    pub fn new(model: &FineModel, forces: Arc<InterfaceForces>, space: InterfaceSpace) -> Self {
+        let partition = forces.partition;
+        let all: Vec<CoarseCell> = (0..partition.coarse().cell_count()).map(CoarseCell).collect();
+        let mut substructures = Self {
+            solids: forces.solids.clone(),
+            loads: forces.loads.clone(),
+            cells: all.iter().map(|_| None).collect(),
+            plan: cell_plan(partition.degree()),
+            space,
+            forces,
+            cell_pool: Mutex::default(),
+            ring_pool: Mutex::default(),
+        };
+        substructures.renew(model, &all);
+        substructures
+    }
+
+    /// The partition of the body.
+    pub fn partition(&self) -> &Partition {
+        &self.forces.partition
+    }
+
+    /// Bytes kept for the cells.
+    pub fn state_bytes(&self) -> usize {
+        self.cells.iter().flatten().map(CellCache::bytes).sum()
+    }
+
+    /// Condenses the changed cells anew, and where solid fine cells were removed or added also their neighbours.
+    ///
+    /// # Panics
+    /// Panics when the model's lattice is not that of the forces.
+    pub fn renew(&mut self, model: &FineModel, changed: &[CoarseCell]) {
+        assert_eq!(model.grid().lattice, self.forces.partition.fine(), "a model of the same lattice");
+        let partition = self.forces.partition;
+        let mut reshaped = Vec::new();
+        for &cell in changed {
+            let solids = Solids::new(model, &partition, cell);
+            if solids == self.solids[cell.0] {
+                continue;
+            }
+            let initial = solids.void == self.forces.solids[cell.0].void;
+            self.loads[cell.0] = match initial {
+                true => self.forces.loads[cell.0].clone(),
+                false => CellLoads::of_own_hull(&solids, &partition.cell_lattice()),
+            };
+            self.solids[cell.0] = solids;
+            // Interfaces at the nodes of this cell may have changed: between it and its neighbours, and between these.
+            reshaped.push(cell);
+            reshaped.extend(neighbours(&self.forces, cell));
+        }
+        reshaped.sort_unstable();
+        reshaped.dedup();
+        let mut stale: Vec<CoarseCell> = changed.iter().chain(&reshaped).copied().collect();
+        stale.sort_unstable();
+        stale.dedup();
+        let known = stale.into_iter().map(|cell| {
+            let cache = self.cells[cell.0].take().filter(|_| reshaped.binary_search(&cell).is_err());
+            (cell, cache.map(|cache| cache.interfaces))
+        });
+        let known: Vec<(CoarseCell, Option<Vec<Interface>>)> = known.collect();
+        let renewed: Vec<(CoarseCell, Option<CellCache>)> =
+            known.into_par_iter().map(|(cell, known)| (cell, self.condense(model, cell, known))).collect();
+        for (cell, cache) in renewed {
+            self.cells[cell.0] = cache;
+        }
+    }
+
+    fn condense(&self, model: &FineModel, cell: CoarseCell, known: Option<Vec<Interface>>) -> Option<CellCache> {
+        let solids = &self.solids[cell.0];
+        if solids.is_empty() || solids.hinged {
+            return None;
+        }
+        let list = known.unwrap_or_else(|| interfaces(&self.forces, &self.solids, self.space, cell));
+        let width = width(&list);
+        let plan = self.plan.as_ref()?;
+        let idle = lock(&self.cell_pool).get_mut(&width).and_then(Vec::pop);
+        let mut workspace = idle.unwrap_or_else(|| CellWorkspace::new(plan, width));
+        let partition = &self.forces.partition;
+        let source = CellSource { model, partition, cell, solids, loads: &self.loads[cell.0] };
+        let cache = CellCache::new(&source, list, plan, &mut workspace);
+        lock(&self.cell_pool).entry(width).or_default().push(workspace);
+        cache
+    }
+
+    /// The ring of a cell; `None` if one of its cells is not condensed, or its loads are not known without the whole ring.
+    fn ring(&self, model: &FineModel, centre: CoarseCell) -> Option<Ring<'_>> {
+        let (partition, d) = (self.forces.partition, self.forces.partition.degree());
+        let ring = partition.one_ring(centre);
+        let size = ring.cells.map(|n| n / d);
+        let lattice = Lattice::new(size);
+        let coarse = |c: usize| {
+            let at = lattice.cell_position(Cell(c));
+            CoarseCell(partition.coarse().cell(std::array::from_fn(|a| ring.start[a] / d + at[a])).0)
+        };
+        let mut caches = Vec::with_capacity(lattice.cell_count());
+        let mut unchanged = true;
+        for cell in (0..lattice.cell_count()).map(coarse) {
+            unchanged &= self.solids[cell.0].void == self.forces.solids[cell.0].void;
+            match &self.cells[cell.0] {
+                Some(cache) => caches.push(Some((cell, cache))),
+                None if self.solids[cell.0].is_empty() => caches.push(None),
+                None => return None,
+            }
+        }
+        let index = (0..lattice.cell_count()).find(|c| coarse(*c) == centre)?;
+        caches[index]?;
+        unchanged &= self.space != InterfaceSpace::Full;
+        if !unchanged && !self.loads_add_up(model, &caches, ring) {
+            return None;
+        }
+        Some(Ring::new(size, index, &caches, unchanged))
+    }
+
+    /// Whether the cells' own loads are those of the ring's hull.
+    fn loads_add_up(
+        &self,
+        model: &FineModel,
+        caches: &[Option<(CoarseCell, &CellCache)>],
+        ring: crate::partition::CellBox,
+    ) -> bool {
+        if caches.iter().flatten().any(|(_, cache)| cache.corrected) {
+            return false;
+        }
+        let lattice = Lattice::new(ring.cells);
+        let fine = |c: usize| -> [usize; 3] {
+            let at = lattice.cell_position(Cell(c));
+            std::array::from_fn(|a| ring.start[a] + at[a])
+        };
+        let void: Vec<bool> =
+            (0..lattice.cell_count()).map(|c| model.is_void(model.grid().lattice.cell(fine(c)))).collect();
+        if void.iter().all(|v| !v) {
+            return true;
+        }
+        let (partition, d) = (&self.forces.partition, self.forces.partition.degree());
+        let (coarse, local) = (partition.coarse(), partition.cell_lattice());
+        let hulls: HashMap<CoarseCell, Vec<bool>> =
+            caches.iter().flatten().map(|(c, _)| (*c, self.solids[c.0].own_hull(&local))).collect();
+        hull(&void, &lattice).into_iter().enumerate().all(|(c, inside)| {
+            let at = fine(c);
+            let cell = CoarseCell(coarse.cell(at.map(|x| x / d)).0);
+            hulls.get(&cell).is_some_and(|own| own[local.cell(at.map(|x| x % d)).0]) == inside
+        })
+    }
+
+    fn ring_plan(&self, shape: &RingShape, whole: bool) -> Option<Arc<FrontalPlan>> {
+        let key = (shape.clone(), whole);
+        let mut pools = lock(&self.ring_pool);
+        let pool = pools.entry(key).or_default();
+        if pool.plan.is_none() {
+            pool.plan = Some(shape.plan()?);
+        }
+        pool.plan.clone()
+    }
+
+    /// Runs `work` with a workspace for the ring.
+    fn with_workspace<T>(
+        &self,
+        shape: &RingShape,
+        whole: bool,
+        work: impl FnOnce(&mut RingWorkspace) -> T,
+    ) -> Option<T> {
+        let plan = self.ring_plan(shape, whole)?;
+        let key = (shape.clone(), whole);
+        let idle = lock(&self.ring_pool).get_mut(&key).and_then(|pool| pool.idle.pop());
+        let mut workspace = idle.unwrap_or_else(|| RingWorkspace::new(shape, plan, whole));
+        let outcome = work(&mut workspace);
+        lock(&self.ring_pool).entry(key).or_default().idle.push(workspace);
+        Some(outcome)
+    }
+
+    /// The six displacements of the cell's nodes, one after the other, up to rigid motions of its parts.
+    fn displacements(&self, ring: &Ring<'_>) -> Option<Vec<f64>> {
+        let centre = ring.shape.centre;
+        let member = ring.members[centre].as_ref()?;
+        let found = self.with_workspace(&ring.shape, false, |workspace| workspace.multipliers(ring))?;
+        let multipliers = match found {
+            Some(mut all) => all.swap_remove(centre)?,
+            None => dual_multipliers(ring, &self.ring_plan(&ring.shape, false)?)?,
+        };
+        let fields = member.cache.displacements(&multipliers, self.plan.as_ref()?);
+        fields.iter().all(|u| u.is_finite()).then_some(fields)
+    }
+
+    /// Training matrix of one cell, `3 (d + 1)³ × 6` row-major, on the calling thread. `None` where the ring is not
+    /// solved in substructures: a cell of it holds parts that hang together by edges or nodes, or fine cells were removed or added and a void in the ring reaches through
+    /// several cells without reaching its outside. One-ring training serves there.
+    pub fn train_cell(&self, model: &FineModel, cell: CoarseCell) -> Option<Vec<f64>> {
+        let ring = self.ring(model, cell)?;
+        let mut fields = self.displacements(&ring)?;
+        let (solids, local) = (&self.solids[cell.0], self.forces.partition.cell_lattice());
+        if solids.parts > 1 {
+            for part in 0..solids.parts {
+                let here: Vec<bool> = (0..local.node_count()).map(|n| solids.part(n) == Some(part)).collect();
+                for column in fields.chunks_exact_mut(3 * here.len()) {
+                    remove_rigid_motion(local, self.forces.spacing, &here, column);
+                }
+            }
+        }
+        let nodes: Vec<Node> = (0..local.node_count()).map(Node).collect();
+        Some(CellCutter::new(&self.forces.partition, self.forces.spacing).cut(&nodes, &solids.active(), &fields))
+    }
+
+    /// Training data of the listed cells, in parallel over cells; by one-ring training where [`Self::train_cell`] gives none.
+    ///
+    /// # Errors
+    /// When a one-ring problem is not solved, or the callback interrupts.
+    pub fn train(
+        &self,
+        model: &FineModel,
+        cells: &[CoarseCell],
+        progress: Progress<'_>,
+    ) -> Result<Training, TrainingError> {
+        let ring = LocalTrainer::new(&self.forces.partition, RingKind::OneRing);
+        ring.train_by(cells, progress, &|cell| {
+            self.train_cell(model, cell).map_or_else(|| ring.train_cell(model, cell), Ok)
+        })
+    }
+}
+
+const F: usize = HARMONIC_FIELDS;
