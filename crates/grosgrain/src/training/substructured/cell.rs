@@ -159,13 +159,18 @@ impl CellCache {
         }
     }
 
-    /// H⁺(f − Sᵀλ) at the nodes of the cell, six fields one after the other; `multipliers` holds six values per row.
-    pub(super) fn displacements(&self, multipliers: &[f64], plan: &FrontalPlan) -> Vec<f64> {
+    /// u = H⁺(f − Sᵀλ) + R α at the nodes of the cell, six fields one after the other.
+    pub(super) fn displacements(
+        &self,
+        answer: &CellAnswer,
+        plan: &FrontalPlan,
+        (partition, spacing, solids): (&Partition, [f64; 3], &Solids),
+    ) -> Vec<f64> {
         let nodes = plan.order() / 3;
         let mut values = vec![[0.0; 8]; plan.order()];
         for (value, forward) in values.iter_mut().zip(self.factors.forward().chunks_exact(self.width)) {
             value[..F].copy_from_slice(&forward[..F]);
-            for (y, lambda) in forward[F..].iter().zip(multipliers.chunks_exact(F)) {
+            for (y, lambda) in forward[F..].iter().zip(answer.multipliers.chunks_exact(F)) {
                 (0..F).for_each(|k| value[k] -= y * lambda[k]);
             }
         }
@@ -175,6 +180,13 @@ impl CellCache {
             let place = plan.place(node);
             for r in 0..3 {
                 (0..F).for_each(|k| fields[3 * (nodes * k + node) + r] = values[place + r][k]);
+            }
+            let Some(part) = solids.part(node) else { continue };
+            let alpha = &answer.motions[RIGID * F * part..][..RIGID * F];
+            if alpha.iter().any(|a| *a != 0.0) {
+                for (r, alpha) in rigid_motions(partition, spacing, node).iter().zip(alpha.chunks_exact(F)) {
+                    (0..3 * F).for_each(|n| fields[3 * (nodes * (n / 3) + node) + n % 3] += r[n % 3] * alpha[n / 3]);
+                }
             }
         }
         fields
@@ -215,7 +227,7 @@ impl CellSource<'_> {
     }
 
     /// Rigid motions of the cell at a node about its centre, rotations per half of its longest edge.
-    pub(super) fn motions(&self, node: usize) -> [[f64; 3]; RIGID] {
+    fn motions(&self, node: usize) -> [[f64; 3]; RIGID] {
         rigid_motions(self.partition, self.model.grid().spacing, node)
     }
 
@@ -233,7 +245,8 @@ impl CellSource<'_> {
             for column in 0..width {
                 let force = [own[column], own[width + column], own[2 * width + column]];
                 for (m, r) in r.iter().enumerate() {
-                    products[motions * column + RIGID * part + m] += force[0] * r[0] + force[1] * r[1] + force[2] * r[2];
+                    products[motions * column + RIGID * part + m] +=
+                        force[0] * r[0] + force[1] * r[1] + force[2] * r[2];
                 }
             }
         }
@@ -250,7 +263,7 @@ impl CellSource<'_> {
 }
 
 /// Three translations and three rotations about the cell's centre, per half of its longest edge, at a local node.
-pub(super) fn rigid_motions(partition: &Partition, spacing: [f64; 3], node: usize) -> [[f64; 3]; RIGID] {
+fn rigid_motions(partition: &Partition, spacing: [f64; 3], node: usize) -> [[f64; 3]; RIGID] {
     let half = partition.degree() as f64 / 2.0;
     let longest = spacing.iter().fold(0.0f64, |m, h| m.max(*h)) * half;
     let at = partition.cell_lattice().node_position(Node(node));
@@ -272,6 +285,14 @@ pub(super) struct Condensed {
     pub answer: Vec<f64>,
     /// e − Gᵀ λ of the known multipliers, 6 per part × 6.
     pub resultant: Vec<f64>,
+    /// Per rigid motion that is free (Gᵀ F'⁻¹ G)⁻¹ \[Gᵀ F'⁻¹, e\] on the inner rows.
+    free: Vec<(usize, Vec<f64>)>,
+}
+
+/// Multipliers of every row and rigid motions of every part, six values each.
+pub(super) struct CellAnswer {
+    pub multipliers: Vec<f64>,
+    pub motions: Vec<f64>,
 }
 
 impl CellCache {
@@ -290,12 +311,12 @@ impl CellCache {
                 (0..F).for_each(|k| e[k] -= g * lambda[k]);
             }
         }
-        Condensed { rows, stiffness: Vec::new(), load: Vec::new(), known, answer, resultant }
+        Condensed { rows, stiffness: Vec::new(), load: Vec::new(), known, answer, resultant, free: Vec::new() }
     }
 
-    /// K̂ = F'⁻¹ − F'⁻¹ G (Gᵀ F'⁻¹ G)⁻¹ Gᵀ F'⁻¹ and ĝ = K̂ (S H⁺ f + ρ G e) + F'⁻¹ G (Gᵀ F'⁻¹ G)⁻¹ e on the rows of `condensed`, with the rigid motions of the parts that are not
-    /// `held`; false where rows are dependent.
-    pub(super) fn stiffen(&self, condensed: &mut Condensed, held: &[bool]) -> bool {
+    /// K̂ = F'⁻¹ − F'⁻¹ G (Gᵀ F'⁻¹ G)⁻¹ Gᵀ F'⁻¹ and ĝ = K̂ (S H⁺ f + ρ G e) + F'⁻¹ G (Gᵀ F'⁻¹ G)⁻¹ e on the rows of `condensed`, with the rigid motions of the parts that do not
+    /// hold their group; false where rows are dependent.
+    pub(super) fn stiffen(&self, condensed: &mut Condensed, parts: &[(usize, bool)]) -> bool {
         let (all, n, motions) = (self.rows(), condensed.rows.len(), RIGID * self.parts);
         let rows = &condensed.rows;
         let mut k: Vec<f64> = Vec::with_capacity(n * n);
@@ -303,7 +324,7 @@ impl CellCache {
         if !invert(n, &mut k, &mut Vec::new()) {
             return false;
         }
-        let free: Vec<usize> = (0..motions).filter(|m| !held[m / RIGID]).collect();
+        let free: Vec<usize> = (0..motions).filter(|m| !parts[m / RIGID].1).collect();
         let free_count = free.len();
         // F'⁻¹ G, then Gᵀ F'⁻¹ G and its solutions for [Gᵀ F'⁻¹, e].
         let g = |s: usize, m: usize| self.rigid[motions * rows[s] + free[m]];
@@ -340,6 +361,30 @@ impl CellCache {
             }
         }
         condensed.stiffness = k;
+        let of = |(m, motion): (usize, &usize)| (*motion, right[columns * m..][..columns].to_vec());
+        condensed.free = free.iter().enumerate().map(of).collect();
         true
+    }
+
+    /// λ = ĝ − K̂ q on the inner rows, and α = (Gᵀ F'⁻¹ G)⁻¹ (e − Gᵀ F'⁻¹ (S H⁺ f + ρ G e − q)); zero for held parts.
+    pub(super) fn answer(&self, condensed: &Condensed, q: &[[f64; 8]]) -> CellAnswer {
+        let n = condensed.rows.len();
+        let (mut multipliers, mut motions) = (condensed.known.clone(), vec![0.0; RIGID * self.parts * F]);
+        for (s, &row) in condensed.rows.iter().enumerate() {
+            let out = &mut multipliers[F * row..][..F];
+            out.copy_from_slice(&condensed.load[F * s..][..F]);
+            for (k, q) in condensed.stiffness[n * s..][..n].iter().zip(q) {
+                (0..F).for_each(|c| out[c] -= k * q[c]);
+            }
+        }
+        for (motion, weights) in &condensed.free {
+            let out = &mut motions[F * motion..][..F];
+            out.copy_from_slice(&weights[n..]);
+            for ((weight, q), row) in weights.iter().zip(q).zip(&condensed.rows) {
+                let answer = &condensed.answer[F * row..][..F];
+                (0..F).for_each(|k| out[k] -= weight * (answer[k] - q[k]));
+            }
+        }
+        CellAnswer { multipliers, motions }
     }
 }

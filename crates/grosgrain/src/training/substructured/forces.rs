@@ -122,7 +122,8 @@ impl InterfaceForces {
                 continue;
             }
             let pairs = pairs_at(&coarse, &cells);
-            let of = |c: &CoarseCell| &residuals[c.0][NODE_COLUMNS * local_node(&partition, *c, node)..][..NODE_COLUMNS];
+            let of =
+                |c: &CoarseCell| &residuals[c.0][NODE_COLUMNS * local_node(&partition, *c, node)..][..NODE_COLUMNS];
             let r: Vec<f64> = cells.iter().flat_map(of).copied().collect();
             let t = split(&cells, &pairs, &r, NODE_COLUMNS);
             for (pair, t) in pairs.into_iter().zip(t.chunks_exact(NODE_COLUMNS)) {

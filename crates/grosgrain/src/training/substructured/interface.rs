@@ -92,12 +92,7 @@ pub(super) fn interfaces(
 }
 
 /// Forces of the initial pairs of an unchanged cell that no interface of today holds entirely: on its rings they still act from outside.
-fn outer_forces(
-    forces: &InterfaceForces,
-    found: &[Interface],
-    cell: CoarseCell,
-    solids: &[Solids],
-) -> Vec<Interface> {
+fn outer_forces(forces: &InterfaceForces, found: &[Interface], cell: CoarseCell, solids: &[Solids]) -> Vec<Interface> {
     if solids[cell.0].void != forces.solids[cell.0].void {
         return Vec::new();
     }

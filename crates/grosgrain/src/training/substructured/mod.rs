@@ -22,20 +22,20 @@ use rayon::prelude::*;
 pub use forces::InterfaceForces;
 pub use space::{InterfaceSpace, Means};
 
-use self::cell::{CellCache, CellSource, CellWorkspace, cell_plan, width};
-use self::forces::CellLoads;
+use self::cell::{CellAnswer, CellCache, CellSource, CellWorkspace, cell_plan, width};
+use self::forces::{CellLoads, active_cells};
 use self::interface::{Interface, interfaces, neighbours};
-use self::ring::{RingWorkspace, dual_multipliers};
-use self::solids::Solids;
-use self::topology::{Ring, RingShape};
+use self::ring::{Groups, RingWorkspace, dual_answers};
+use self::solids::{Solids, local_node};
+use self::topology::{Member, Ring, RingShape};
 use super::cell_data::CellCutter;
 use super::local::lock;
 use super::rigid::remove_rigid_motion;
 use super::{LocalTrainer, RingKind, Training, TrainingError};
 use crate::fine::{FineModel, HARMONIC_FIELDS};
 use crate::linalg::FrontalPlan;
-use crate::mesh::{Cell, Lattice, Node, hull};
-use crate::partition::{CoarseCell, Partition};
+use crate::mesh::{Cell, Components, Lattice, Neighbourhood, Node, hull};
+use crate::partition::{CellBox, CoarseCell, Partition};
 use crate::progress::Progress;
 
 /// The cells of a body, each condensed to its interfaces.
@@ -178,22 +178,12 @@ impl Substructures {
     }
 
     /// Whether the cells' own loads are those of the ring's hull.
-    fn loads_add_up(
-        &self,
-        model: &FineModel,
-        caches: &[Option<(CoarseCell, &CellCache)>],
-        ring: crate::partition::CellBox,
-    ) -> bool {
+    fn loads_add_up(&self, model: &FineModel, caches: &[Option<(CoarseCell, &CellCache)>], ring: CellBox) -> bool {
         if caches.iter().flatten().any(|(_, cache)| cache.corrected) {
             return false;
         }
         let lattice = Lattice::new(ring.cells);
-        let fine = |c: usize| -> [usize; 3] {
-            let at = lattice.cell_position(Cell(c));
-            std::array::from_fn(|a| ring.start[a] + at[a])
-        };
-        let void: Vec<bool> =
-            (0..lattice.cell_count()).map(|c| model.is_void(model.grid().lattice.cell(fine(c)))).collect();
+        let void = voids(model, ring);
         if void.iter().all(|v| !v) {
             return true;
         }
@@ -202,7 +192,8 @@ impl Substructures {
         let hulls: HashMap<CoarseCell, Vec<bool>> =
             caches.iter().flatten().map(|(c, _)| (*c, self.solids[c.0].own_hull(&local))).collect();
         hull(&void, &lattice).into_iter().enumerate().all(|(c, inside)| {
-            let at = fine(c);
+            let position = lattice.cell_position(Cell(c));
+            let at: [usize; 3] = std::array::from_fn(|a| ring.start[a] + position[a]);
             let cell = CoarseCell(coarse.cell(at.map(|x| x / d)).0);
             hulls.get(&cell).is_some_and(|own| own[local.cell(at.map(|x| x % d)).0]) == inside
         })
@@ -234,36 +225,91 @@ impl Substructures {
         Some(outcome)
     }
 
-    /// The six displacements of the cell's nodes, one after the other, up to rigid motions of its parts.
-    fn displacements(&self, ring: &Ring<'_>) -> Option<Vec<f64>> {
-        let centre = ring.shape.centre;
-        let member = ring.members[centre].as_ref()?;
-        let found = self.with_workspace(&ring.shape, false, |workspace| workspace.multipliers(ring))?;
-        let multipliers = match found {
-            Some(mut all) => all.swap_remove(centre)?,
-            None => dual_multipliers(ring, &self.ring_plan(&ring.shape, false)?)?,
-        };
-        let fields = member.cache.displacements(&multipliers, self.plan.as_ref()?);
-        fields.iter().all(|u| u.is_finite()).then_some(fields)
+    /// Multipliers and rigid motions of the centre, or of all cells.
+    fn answers(&self, ring: &Ring<'_>, groups: &Groups, whole: bool) -> Option<Vec<Option<CellAnswer>>> {
+        let found = self.with_workspace(&ring.shape, whole, |workspace| workspace.answers(ring, groups))?;
+        found.or_else(|| dual_answers(ring, &self.ring_plan(&ring.shape, whole)?, groups, whole))
     }
 
-    /// Training matrix of one cell, `3 (d + 1)³ × 6` row-major, on the calling thread. `None` where the ring is not
-    /// solved in substructures: a cell of it holds parts that hang together by edges or nodes, or fine cells were removed or added and a void in the ring reaches through
-    /// several cells without reaching its outside. One-ring training serves there.
-    pub fn train_cell(&self, model: &FineModel, cell: CoarseCell) -> Option<Vec<f64>> {
-        let ring = self.ring(model, cell)?;
-        let mut fields = self.displacements(&ring)?;
-        let (solids, local) = (&self.solids[cell.0], self.forces.partition.cell_lattice());
-        if solids.parts > 1 {
-            for part in 0..solids.parts {
-                let here: Vec<bool> = (0..local.node_count()).map(|n| solids.part(n) == Some(part)).collect();
-                for column in fields.chunks_exact_mut(3 * here.len()) {
-                    remove_rigid_motion(local, self.forces.spacing, &here, column);
+    fn displacements_of(&self, member: &Member<'_>, answer: &CellAnswer) -> Option<Vec<f64>> {
+        let place = (&self.forces.partition, self.forces.spacing, &self.solids[member.cell.0]);
+        Some(member.cache.displacements(answer, self.plan.as_ref()?, place))
+    }
+
+    /// The six displacements of the cell's nodes, one after the other, and which nodes have one; each group of parts that the ring
+    /// does not join moves independently and is free of rigid motion.
+    fn displacements(&self, model: &FineModel, ring: &Ring<'_>) -> Option<(Vec<f64>, Vec<bool>)> {
+        let (partition, centre) = (&self.forces.partition, ring.shape.centre);
+        let member = ring.members[centre].as_ref()?;
+        let groups = ring.groups();
+        let solids = &self.solids[member.cell.0];
+        let mut group_of: Vec<Option<usize>> =
+            (0..partition.nodes_per_cell()).map(|n| Some(groups[centre][solids.part(n)?].0)).collect();
+        // Nodes that only other cells of the ring move.
+        let mut lent: Vec<(usize, Vec<usize>)> = Vec::new();
+        for (n, node) in partition.fine_nodes(member.cell).enumerate().filter(|(n, _)| solids.part(*n).is_none()) {
+            let place = |c: CoarseCell| ring.members.iter().position(|m| m.as_ref().is_some_and(|m| m.cell == c));
+            let lenders: Vec<usize> =
+                active_cells(partition, &self.solids, node).into_iter().filter_map(place).collect();
+            if let Some(&first) = lenders.first() {
+                let cell = ring.members[first].as_ref()?.cell;
+                group_of[n] = Some(groups[first][self.solids[cell.0].part(local_node(partition, cell, node))?].0);
+                lent.push((n, lenders));
+            }
+        }
+        let whole = !lent.is_empty();
+        if (whole || solids.parts > 1) && has_hinges(model, partition.one_ring(member.cell)) {
+            return None;
+        }
+        let answers = self.answers(ring, &groups, whole)?;
+        let mut fields = self.displacements_of(member, answers[centre].as_ref()?)?;
+        let stride = fields.len() / F;
+        let mut others: HashMap<usize, Vec<f64>> = HashMap::new();
+        for (n, lenders) in lent {
+            let node = partition.fine_nodes(member.cell).nth(n)?;
+            for lender in &lenders {
+                let other = ring.members[*lender].as_ref()?;
+                if !others.contains_key(lender) {
+                    others.insert(*lender, self.displacements_of(other, answers[*lender].as_ref()?)?);
+                }
+                let (from, local) = (&others[lender], local_node(partition, other.cell, node));
+                for i in 0..3 * F {
+                    fields[stride * (i / 3) + 3 * n + i % 3] +=
+                        from[stride * (i / 3) + 3 * local + i % 3] / lenders.len() as f64;
                 }
             }
         }
-        let nodes: Vec<Node> = (0..local.node_count()).map(Node).collect();
-        Some(CellCutter::new(&self.forces.partition, self.forces.spacing).cut(&nodes, &solids.active(), &fields))
+        self.centre_groups(&group_of, &mut fields);
+        let active = group_of.iter().map(Option::is_some).collect();
+        fields.iter().all(|u| u.is_finite()).then_some((fields, active))
+    }
+
+    /// Takes the rigid motion of each group of nodes out if there are several.
+    fn centre_groups(&self, group_of: &[Option<usize>], fields: &mut [f64]) {
+        let local = self.forces.partition.cell_lattice();
+        let mut distinct: Vec<usize> = group_of.iter().flatten().copied().collect();
+        distinct.sort_unstable();
+        distinct.dedup();
+        if distinct.len() < 2 {
+            return;
+        }
+        for group in distinct {
+            let here: Vec<bool> = group_of.iter().map(|g| *g == Some(group)).collect();
+            for column in fields.chunks_exact_mut(3 * here.len()) {
+                remove_rigid_motion(local, self.forces.spacing, &here, column);
+            }
+        }
+    }
+
+    /// Training matrix of one cell, `3 (d + 1)³ × 6` row-major, on the calling thread.
+    ///
+    /// `None` where the ring is not solved in substructures: a coarse cell of it holds parts that hang together by edges or nodes; several parts meet in the cell and
+    /// some parts of the ring hang together so; or solid fine cells were removed or added and a void in the ring reaches through several coarse
+    /// cells without reaching its outside. One-ring training serves there.
+    pub fn train_cell(&self, model: &FineModel, cell: CoarseCell) -> Option<Vec<f64>> {
+        let (fields, active) = self.displacements(model, &self.ring(model, cell)?)?;
+        let nodes: Vec<Node> = (0..active.len()).map(Node).collect();
+        Some(CellCutter::new(&self.forces.partition, self.forces.spacing).cut(&nodes, &active, &fields))
     }
 
     /// Training data of the listed cells, in parallel over cells; by one-ring training where [`Self::train_cell`] gives none.
@@ -284,3 +330,20 @@ impl Substructures {
 }
 
 const F: usize = HARMONIC_FIELDS;
+
+/// The voids of a box of fine cells.
+fn voids(model: &FineModel, window: CellBox) -> Vec<bool> {
+    let lattice = Lattice::new(window.cells);
+    let outer = |c: usize| {
+        let at = lattice.cell_position(Cell(c));
+        model.grid().lattice.cell(std::array::from_fn(|a| window.start[a] + at[a]))
+    };
+    (0..lattice.cell_count()).map(|c| model.is_void(outer(c))).collect()
+}
+
+/// Whether parts of a box hang together by edges or nodes only: their relative motion is not determined.
+fn has_hinges(model: &FineModel, window: CellBox) -> bool {
+    let (void, lattice) = (voids(model, window), Lattice::new(window.cells));
+    let parts = |by| Components::new(&void, &lattice, by).count();
+    parts(Neighbourhood::Faces) != parts(Neighbourhood::Nodes)
+}

@@ -30,12 +30,7 @@ pub(super) fn pairs_at(coarse: &Lattice, cells: &[CoarseCell]) -> Vec<(CoarseCel
 
 /// Splits forces `r` (one row of `columns` values per cell, summing to zero over the cells) into pairwise forces t_ab = −t_ba with
 /// Σ_b t_ab = r_a of least norm: t_ab = φ_a − φ_b with the Laplacian of the graph of the pairs, L φ = r. Returns one row per pair.
-pub(super) fn split(
-    cells: &[CoarseCell],
-    pairs: &[(CoarseCell, CoarseCell)],
-    r: &[f64],
-    columns: usize,
-) -> Vec<f64> {
+pub(super) fn split(cells: &[CoarseCell], pairs: &[(CoarseCell, CoarseCell)], r: &[f64], columns: usize) -> Vec<f64> {
     let place = |c: CoarseCell| cells.iter().position(|x| *x == c).unwrap_or(0);
     let n = cells.len();
     // The graph is connected, so that L with the last cell held is positive definite: φ of that cell is zero.

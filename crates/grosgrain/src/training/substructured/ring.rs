@@ -2,13 +2,16 @@
 
 use std::sync::Arc;
 
-use super::cell::{CellCache, Condensed, RIGID};
+use super::cell::{CellAnswer, CellCache, Condensed, RIGID};
 use super::dense::solve_semidefinite;
 use super::topology::{Member, Ring, RingShape};
 use crate::fine::HARMONIC_FIELDS;
 use crate::linalg::{FrontalPlan, FrontalSolver};
 
 const F: usize = HARMONIC_FIELDS;
+
+/// Per cell its parts with the group that they belong to and whether they hold it, see [`Ring::groups`].
+pub(super) type Groups = [Vec<(usize, bool)>];
 
 /// Buffers of rings of one shape.
 pub(super) struct RingWorkspace {
@@ -34,17 +37,16 @@ impl RingWorkspace {
         }
     }
 
-    /// The six multipliers of every row of the wanted cells, `None` where a cell cannot tell its rows apart.
+    /// Multipliers and rigid motions of the wanted cells, `None` where a cell cannot tell its rows apart.
     ///
     /// Minimising Σ_i ½ u_iᵀ H_i u_i − f_iᵀ u_i under S_i u_i = q gives λ_i = ĝ_i − K̂_i q in every cell and Σ_i λ_i = 0 on every interface, so Σ K̂_i q = Σ ĝ_i.
     /// One part of every connected group keeps its rigid motions in F' instead of losing them to K̂: that holds the group, and as its loads are in
     /// equilibrium it changes nothing but its rigid motion.
-    pub(super) fn multipliers(&mut self, ring: &Ring<'_>) -> Option<Vec<Option<Vec<f64>>>> {
+    pub(super) fn answers(&mut self, ring: &Ring<'_>, groups: &Groups) -> Option<Vec<Option<CellAnswer>>> {
         let mut condensed = ring.condense();
-        let held = ring.held_parts();
-        for ((member, condensed), held) in ring.members.iter().zip(&mut condensed).zip(&held) {
+        for ((member, condensed), groups) in ring.members.iter().zip(&mut condensed).zip(groups) {
             if let (Some(member), Some(condensed)) = (member, condensed)
-                && !member.cache.stiffen(condensed, held)
+                && !member.cache.stiffen(condensed, groups)
             {
                 return None;
             }
@@ -62,7 +64,8 @@ impl RingWorkspace {
         self.solver.substitute_back(&mut self.values);
         let of = |(index, condensed): (usize, &Option<Condensed>)| {
             let wanted = self.whole || index == ring.shape.centre;
-            condensed.as_ref().filter(|_| wanted).map(|c| self.cell_multipliers(ring, index, c))
+            let (member, condensed) = (ring.members[index].as_ref()?, condensed.as_ref().filter(|_| wanted)?);
+            Some(member.cache.answer(condensed, &self.means(ring, member, index)))
         };
         Some(condensed.iter().enumerate().map(of).collect())
     }
@@ -89,24 +92,8 @@ impl RingWorkspace {
         }
     }
 
-    /// λ = ĝ − K̂ q on the inner rows, beside the known ones.
-    fn cell_multipliers(&self, ring: &Ring<'_>, index: usize, condensed: &Condensed) -> Vec<f64> {
-        let mut multipliers = condensed.known.clone();
-        let q = self.means(ring, index);
-        let n = condensed.rows.len();
-        for (s, &row) in condensed.rows.iter().enumerate() {
-            let out = &mut multipliers[F * row..][..F];
-            out.copy_from_slice(&condensed.load[F * s..][..F]);
-            for (k, q) in condensed.stiffness[n * s..][..n].iter().zip(&q) {
-                (0..F).for_each(|c| out[c] -= k * q[c]);
-            }
-        }
-        multipliers
-    }
-
     /// The means q on the inner rows of a cell.
-    pub(super) fn means(&self, ring: &Ring<'_>, index: usize) -> Vec<[f64; 8]> {
-        let Some(member) = &ring.members[index] else { return Vec::new() };
+    fn means(&self, ring: &Ring<'_>, member: &Member<'_>, index: usize) -> Vec<[f64; 8]> {
         let block = ring.shape.block;
         let value = |place: &usize| {
             let id = ring.shape.elements[index][place / block] as usize;
@@ -159,14 +146,21 @@ impl Ring<'_> {
     }
 }
 
-/// The multipliers of the centre with the forces as unknowns, which also serves where a cell's rows are dependent: then some forces are
+/// The answers of the centre or of all cells with the forces as unknowns, which also serves where a cell's rows are dependent: then some forces are
 /// not determined, what they do is.
 ///
 /// With signs σ = ±1 for the first and second cell of an interface and λ_i = σ λ the cells agree where A λ = Σ σ b_i + Γ α and Γᵀλ = e, A = Σ σ F'_i σ,
 /// Γ_i = σ G_i, b_i = S H⁺ f + ρ G e. So (Γᵀ A⁻¹ Γ) α = e − Γᵀ A⁻¹ Σ σ b_i; the motions of one part of every connected group are held.
-pub(super) fn dual_multipliers(ring: &Ring<'_>, plan: &Arc<FrontalPlan>) -> Option<Vec<f64>> {
+pub(super) fn dual_answers(
+    ring: &Ring<'_>,
+    plan: &Arc<FrontalPlan>,
+    groups: &Groups,
+    whole: bool,
+) -> Option<Vec<Option<CellAnswer>>> {
+    if ring.members.iter().flatten().any(|m| m.inner.iter().any(|n| m.cache.interfaces[*n].cells.len() != 2)) {
+        return None;
+    }
     let condensed = ring.condense();
-    let held = ring.held_parts();
     let block = ring.shape.block;
     let mut first = vec![0];
     for member in &ring.members {
@@ -195,11 +189,11 @@ pub(super) fn dual_multipliers(ring: &Ring<'_>, plan: &Arc<FrontalPlan>) -> Opti
             let out = &mut loads[extra * (block * id + place % block)..][..extra];
             (0..F).for_each(|k| out[k] += sign(place) * condensed.answer[F * row + k]);
             let g = &member.cache.rigid[own * row..][..own];
-            let free = (0..own).filter(|m| !held[index][m / RIGID]);
+            let free = (0..own).filter(|m| !groups[index][m / RIGID].1);
             free.for_each(|m| out[F + first[index] + m] += sign(place) * g[m]);
         }
     }
-    let kept = usize::from(!ring.shape.elements[ring.shape.centre].is_empty());
+    let kept = if whole { usize::MAX } else { usize::from(!ring.shape.elements[ring.shape.centre].is_empty()) };
     let mut solver = FrontalSolver::new(plan.clone(), extra, kept);
     solver.eliminate(
         &|e| (!elements[e].is_empty()).then(|| (1.0, elements[e].as_slice())),
@@ -225,13 +219,20 @@ pub(super) fn dual_multipliers(ring: &Ring<'_>, plan: &Arc<FrontalPlan>) -> Opti
         }
     }
     solver.substitute_back(&mut values);
-    let (member, condensed) = (ring.members[ring.shape.centre].as_ref()?, condensed[ring.shape.centre].as_ref()?);
-    let mut multipliers = condensed.known.clone();
-    for (&place, &row) in member.places(block).iter().zip(&condensed.rows) {
-        let sign = member.cache.interfaces[member.inner[place / block]].sign(member.cell);
-        let id = ring.shape.elements[ring.shape.centre][place / block] as usize;
-        let value = &values[plan.place(id) + place % block];
-        (0..F).for_each(|k| multipliers[F * row + k] = sign * value[k]);
-    }
-    Some(multipliers)
+    let of = |(index, member): (usize, &Option<Member<'_>>)| {
+        let (member, condensed) = (member.as_ref()?, condensed[index].as_ref()?);
+        if !whole && index != ring.shape.centre {
+            return None;
+        }
+        let mut multipliers = condensed.known.clone();
+        for (&place, &row) in member.places(block).iter().zip(&condensed.rows) {
+            let sign = member.cache.interfaces[member.inner[place / block]].sign(member.cell);
+            let id = ring.shape.elements[index][place / block] as usize;
+            let value = &values[plan.place(id) + place % block];
+            (0..F).for_each(|k| multipliers[F * row + k] = sign * value[k]);
+        }
+        let motions = alpha[F * first[index]..F * first[index + 1]].to_vec();
+        Some(CellAnswer { multipliers, motions })
+    };
+    Some(ring.members.iter().enumerate().map(of).collect())
 }

@@ -76,8 +76,9 @@ impl<'a> Ring<'a> {
         Self { members, shape, unchanged }
     }
 
-    /// Per cell of the box which of its parts are held: one of every group of parts that interfaces join, the centre's if it has any.
-    pub(super) fn held_parts(&self) -> Vec<Vec<bool>> {
+    /// Per cell of the box its parts: the group of parts that interfaces join, and whether the part is the one that holds the group, the
+    /// centre's if it has any.
+    pub(super) fn groups(&self) -> Vec<Vec<(usize, bool)>> {
         let mut first = vec![0];
         let parts = |m: &Option<Member<'a>>| m.as_ref().map_or(0, |m| m.cache.parts);
         self.members.iter().for_each(|m| first.push(first[first.len() - 1] + parts(m)));
@@ -102,7 +103,8 @@ impl<'a> Ring<'a> {
         for part in centre.chain(0..group.len()) {
             held[part] |= !std::mem::replace(&mut done[group[part]], true);
         }
-        (0..self.members.len()).map(|i| held[first[i]..first[i + 1]].to_vec()).collect()
+        let of = |i: usize| (first[i]..first[i + 1]).map(|part| (group[part], held[part])).collect();
+        (0..self.members.len()).map(of).collect()
     }
 }
 
@@ -126,14 +128,7 @@ impl RingShape {
         plans.min_by(|a, b| a.operations(F).total_cmp(&b.operations(F))).map(Arc::new)
     }
 
-    fn halve(
-        &self,
-        low: [usize; 3],
-        high: [usize; 3],
-        cells_of: &[u32],
-        leaf: usize,
-        groups: &mut Vec<Vec<u32>>,
-    ) {
+    fn halve(&self, low: [usize; 3], high: [usize; 3], cells_of: &[u32], leaf: usize, groups: &mut Vec<Vec<u32>>) {
         let lattice = Lattice::new(self.cells);
         let inside = |low: [usize; 3], high: [usize; 3]| {
             let within = |c: &usize| {
