@@ -59,6 +59,7 @@ impl Method {
             Self::Average => "average",
             Self::Coarsened(TrainingKind::Global) => "global",
             Self::Coarsened(TrainingKind::OneRing) => "one-ring",
+            Self::Coarsened(TrainingKind::Substructured) => "substructured",
             Self::Coarsened(TrainingKind::SingleCell) => "single-cell",
         }
     }

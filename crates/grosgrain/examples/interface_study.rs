@@ -29,15 +29,19 @@ const COARSE: [usize; 3] = [8, 3, 3];
 /// Where the interface forces come from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Start {
+    /// The body itself.
     Itself,
+    /// Its phases swapped.
     Swapped,
+    /// A tenth of its fine cells in the other phase.
     TenthFlipped,
+    /// The soft phase only.
     Homogeneous,
 }
 
 /// A layered cantilever with what its errors are measured against.
 pub struct Case {
-    pub model: FineModel,
+    model: FineModel,
     partition: Partition,
     fixed: Vec<bool>,
     loads: Vec<f64>,
@@ -45,14 +49,16 @@ pub struct Case {
 }
 
 /// The interface spaces that are compared.
-pub fn spaces() -> [(&'static str, InterfaceSpace); 6] {
-    let none = Means { translations: true, rotations: false, linear: false, harmonic: false };
+pub fn spaces() -> [(&'static str, InterfaceSpace); 8] {
+    let none = Means { translations: true, node_means: false, rotations: false, linear: false, harmonic: false };
     let means = |means| InterfaceSpace::Means(means);
     [
         ("3 translations", means(none)),
         ("+ 6 forces", means(Means { harmonic: true, ..none })),
+        ("+ node means", means(Means { harmonic: true, node_means: true, ..none })),
         ("+ rotations", means(Means { harmonic: true, rotations: true, ..none })),
         ("+ first moments", means(Means { harmonic: true, linear: true, ..none })),
+        ("+ node means, moments", means(Means { harmonic: true, node_means: true, linear: true, ..none })),
         ("moments, no forces", means(Means { linear: true, ..none })),
         ("all nodes", InterfaceSpace::Full),
     ]

@@ -20,8 +20,10 @@ pub enum InterfaceSpace {
 /// Weighted means of the displacement on an interface; linearly dependent ones are dropped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Means {
-    /// The three components of the mean over the area.
+    /// The three components of the mean over the area: the resultants of uniform tractions.
     pub translations: bool,
+    /// The three components of the mean over the nodes, all of equal weight.
+    pub node_means: bool,
     /// The three mean rotations.
     pub rotations: bool,
     /// All first moments; they hold the rotations.
@@ -33,7 +35,7 @@ pub struct Means {
 impl Default for InterfaceSpace {
     /// Translations and harmonic forces: nine means per interface.
     fn default() -> Self {
-        Self::Means(Means { translations: true, rotations: false, linear: false, harmonic: true })
+        Self::Means(Means { translations: true, node_means: false, rotations: false, linear: false, harmonic: true })
     }
 }
 
@@ -101,8 +103,11 @@ pub(super) fn polynomial_rows(forces: &InterfaceForces, means: super::Means, nod
     let middle: [f64; 3] =
         std::array::from_fn(|a| points.iter().zip(weights).map(|(x, w)| w * x[a]).sum::<f64>() / total);
     let mut rows = Rows::new(3 * nodes.len());
-    let mut add = |value: &dyn Fn([f64; 3]) -> [f64; 3]| {
-        let at = |(x, w): (&[f64; 3], &f64)| value(std::array::from_fn(|a| x[a] - middle[a])).map(|v| w * v);
+    let mut add = |weighted: bool, value: &dyn Fn([f64; 3]) -> [f64; 3]| {
+        let at = |(x, w): (&[f64; 3], &f64)| {
+            let w = if weighted { *w } else { 1.0 };
+            value(std::array::from_fn(|a| x[a] - middle[a])).map(|v| w * v)
+        };
         let vector: Vec<f64> = points.iter().zip(weights).flat_map(at).collect();
         let size = norm(&vector);
         let (left, vector) = rows.remainder(vector);
@@ -112,13 +117,16 @@ pub(super) fn polynomial_rows(forces: &InterfaceForces, means: super::Means, nod
     };
     let unit = |a: usize, value: f64| std::array::from_fn(|i| if i == a { value } else { 0.0 });
     if means.translations {
-        (0..3).for_each(|a| add(&|_| unit(a, 1.0)));
+        (0..3).for_each(|a| add(true, &|_| unit(a, 1.0)));
+    }
+    if means.node_means {
+        (0..3).for_each(|a| add(false, &|_| unit(a, 1.0)));
     }
     if means.rotations {
-        (0..3).for_each(|a| add(&|r| crate::training::rigid::cross(unit(a, 1.0), r)));
+        (0..3).for_each(|a| add(true, &|r| crate::training::rigid::cross(unit(a, 1.0), r)));
     }
     if means.linear {
-        (0..9).for_each(|n| add(&|r| unit(n / 3, r[n % 3])));
+        (0..9).for_each(|n| add(true, &|r| unit(n / 3, r[n % 3])));
     }
     rows
 }
