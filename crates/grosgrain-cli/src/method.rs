@@ -27,7 +27,9 @@ pub enum Method {
 #[non_exhaustive]
 pub enum MethodError {
     /// No method has the name.
-    #[error("{name:?} is no method{hint}; expected fine, trilinear, average, global, one-ring, single-cell or auto")]
+    #[error(
+        "{name:?} is no method{hint}; expected fine, trilinear, average, global, one-ring, single-cell, substructured or auto"
+    )]
     Unknown {
         /// What was given.
         name: String,
@@ -36,7 +38,7 @@ pub enum MethodError {
     },
     /// The method exists, but not here.
     #[error(
-        "{0:?} is not in this version; it has fine, trilinear, average, global, one-ring, single-cell and auto, \
+        "{0:?} is not in this version; it has fine, trilinear, average, global, one-ring, single-cell, substructured and auto, \
          with 6 training fields"
     )]
     NotYet(String),
@@ -44,25 +46,22 @@ pub enum MethodError {
 
 impl Method {
     /// Every method with its name.
-    pub const ALL: [(&'static str, Self); 7] = [
+    pub const ALL: [(&'static str, Self); 8] = [
         ("fine", Self::Fine),
         ("trilinear", Self::Trilinear),
         ("average", Self::Average),
         ("global", Self::Coarsened(TrainingKind::Global)),
         ("one-ring", Self::Coarsened(TrainingKind::OneRing)),
         ("single-cell", Self::Coarsened(TrainingKind::SingleCell)),
+        ("substructured", Self::Coarsened(TrainingKind::Substructured)),
         ("auto", Self::Auto),
     ];
 
     /// The method of a scene's training.
-    ///
-    /// # Errors
-    /// A training that this version does not have.
-    pub fn of_training(training: Training) -> Result<Self, MethodError> {
+    pub const fn of_training(training: Training) -> Self {
         match training {
-            Training::Kind(kind) => Ok(Self::Coarsened(kind)),
-            Training::Substructured => Err(MethodError::NotYet("substructured".into())),
-            Training::Auto => Ok(Self::Auto),
+            Training::Kind(kind) => Self::Coarsened(kind),
+            Training::Auto => Self::Auto,
         }
     }
 
@@ -74,6 +73,7 @@ impl Method {
             Self::Average => "average",
             Self::Coarsened(TrainingKind::Global) => "global",
             Self::Coarsened(TrainingKind::OneRing) => "one-ring",
+            Self::Coarsened(TrainingKind::Substructured) => "substructured",
             Self::Coarsened(TrainingKind::SingleCell) => "single-cell",
             Self::Auto => "auto",
         }
@@ -86,12 +86,12 @@ impl FromStr for Method {
     fn from_str(name: &str) -> Result<Self, MethodError> {
         let (stem, fields) = name.split_once('+').map_or((name, None), |(stem, n)| (stem, Some(n)));
         let known = Self::ALL.iter().find(|(known, _)| *known == stem).map(|(_, method)| *method);
-        let trained = matches!(known, Some(Self::Coarsened(_) | Self::Auto)) || stem == "substructured";
+        let trained = matches!(known, Some(Self::Coarsened(_) | Self::Auto));
         match (known, fields) {
             (Some(method), None) => Ok(method),
             (Some(method), Some("6")) if trained => Ok(method),
             (_, Some(n)) if trained && n.parse::<usize>().is_ok() => Err(MethodError::NotYet(name.into())),
-            (None, None) if ["substructured", "tensor"].contains(&stem) => Err(MethodError::NotYet(name.into())),
+            (None, None) if stem == "tensor" => Err(MethodError::NotYet(name.into())),
             _ => {
                 let near = nearest(stem, &Self::ALL.map(|(known, _)| known));
                 let hint = near.map_or_else(String::new, |near| format!(" (did you mean {near:?}?)"));
@@ -121,7 +121,7 @@ mod tests {
 
     #[test]
     fn methods_beyond_this_version_are_recognised_and_refused() {
-        for name in ["one-ring+18", "substructured", "substructured+6", "tensor"] {
+        for name in ["one-ring+18", "substructured+18", "tensor"] {
             assert_eq!(name.parse::<Method>(), Err(MethodError::NotYet(name.into())));
         }
     }

@@ -46,7 +46,7 @@ pub struct FineRun {
 pub fn build_coarse(problem: &Problem, method: Method, progress: &Progress) -> Result<Built, Failure> {
     let Some(options) = problem.build_options(method) else {
         return Err(Failure::Unusable(
-            "the method fine has no coarse model; expected trilinear, average, global, one-ring or single-cell".into(),
+            "the method fine has no coarse model; expected trilinear, average, global, one-ring, single-cell, substructured or auto".into(),
         ));
     };
     let report = |stage, done, total| progress.report(stage, done, total);

@@ -94,13 +94,8 @@ impl Problem {
     }
 
     /// The method asked for on the command line, or the scene's.
-    ///
-    /// # Errors
-    /// A training of the scene that this version does not have.
-    pub fn method(&self, asked: Option<Method>) -> Result<Method, Failure> {
-        let own = || Method::of_training(self.scene.coarsening.training);
-        let refuse = |error| self.scene.unusable("coarsening.training", error);
-        asked.map_or_else(|| own().map_err(|error| refuse(error).into()), Ok)
+    pub fn method(&self, asked: Option<Method>) -> Method {
+        asked.unwrap_or(Method::of_training(self.scene.coarsening.training))
     }
 
     /// Says that only `simulate` makes edits.

@@ -34,7 +34,7 @@ pub struct Arguments {
     /// Where the model is written; without it the scene's name with .npz, in the current folder
     #[arg(short, long, value_name = "MODEL.npz")]
     output: Option<PathBuf>,
-    /// trilinear, average, global, one-ring or single-cell; without it the scene's training
+    /// trilinear, average, global, one-ring, single-cell, substructured or auto; without it the scene's training
     #[arg(long)]
     method: Option<Method>,
     /// Write the figures as JSON
@@ -72,7 +72,7 @@ pub fn run(arguments: &Arguments, progress: &Progress) -> Result<(), Failure> {
     if let Some(sentence) = loose_from_largest(problem.model.grid()) {
         progress.warn(&sentence);
     }
-    let method = problem.method(arguments.method)?;
+    let method = problem.method(arguments.method);
     problem.tell_idle_edits(progress);
     let _folders = (OutputFolder::around(&output)?, arguments.json.as_deref().map(OutputFolder::around).transpose()?);
     let built = build_coarse(&problem, method, progress)?;

@@ -33,7 +33,7 @@ pub struct Arguments {
     /// The folder that receives frames, picture and report.json; out/NAME without it
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
-    /// fine, trilinear, average, global, one-ring or single-cell; without it the scene's training
+    /// fine, trilinear, average, global, one-ring, single-cell, substructured or auto; without it the scene's training
     #[arg(long)]
     method: Option<Method>,
 }
@@ -46,7 +46,7 @@ pub fn run(arguments: &Arguments, progress: &Progress) -> Result<(), Failure> {
     let output = arguments.output.clone().unwrap_or_else(|| default_folder(&arguments.scene));
     let output = OutputFolder::make(&output)?;
     let folder = output.path();
-    let method = problem.method(arguments.method)?;
+    let method = problem.method(arguments.method);
     let initial = problem.fine_size();
     let schedule = problem.schedule.clone();
     let mut frames = Frames::new(folder);

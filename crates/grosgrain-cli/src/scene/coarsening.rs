@@ -10,9 +10,7 @@ use super::document::{Item, Noted, Reading};
 pub enum Training {
     /// A kind that the library trains.
     Kind(TrainingKind),
-    /// One ring, each cell reduced to its interface with its neighbours.
-    Substructured,
-    /// The kind that serves the scene best.
+    /// The exact kind that is cheaper to renew after an edit.
     Auto,
 }
 
@@ -63,7 +61,7 @@ fn read_training(item: &Item) -> Reading<Training> {
         ("one-ring", Training::Kind(TrainingKind::OneRing)),
         ("global", Training::Kind(TrainingKind::Global)),
         ("single-cell", Training::Kind(TrainingKind::SingleCell)),
-        ("substructured", Training::Substructured),
+        ("substructured", Training::Kind(TrainingKind::Substructured)),
         ("auto", Training::Auto),
     ];
     item.choice(&choices)

@@ -15,7 +15,9 @@ pub use conjugate_gradients::{
     LinearOperator, Monitor, Preconditioner, Projector,
 };
 pub use dense_cholesky::{DenseCholesky, DenseCholeskyError};
-pub use multifrontal::{Eliminated, FrontalPlan, FrontalPlanError, FrontalSolver, box_tree, box_tree_around};
+pub use multifrontal::{
+    Eliminated, FrontalFactors, FrontalPlan, FrontalPlanError, FrontalSolver, box_tree, box_tree_around,
+};
 pub use ordering::nested_dissection;
 pub use reduction::{dot, norm, step, sum_of_blocks};
 pub use sparse_pattern::SparsePattern;

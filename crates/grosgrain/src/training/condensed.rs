@@ -107,7 +107,7 @@ impl CondensedSolver {
         let faces = &self.faces;
         let found = self.solver.eliminate(
             &|e| matrices[e].map(|(factor, matrix)| (factor, matrix.as_slice())),
-            &mut |node, out| node_loads(faces[node], area, out),
+            &mut |node, out| node_loads(faces[node].map(f64::from), area, out),
             &pinned,
         );
         let free = 3 * active.iter().filter(|a| !**a).count();
@@ -207,8 +207,8 @@ fn part_count(part_of: &[Option<usize>]) -> usize {
 }
 
 /// Loads of the six constant stresses ½(e_α⊗e_β + e_β⊗e_α) at a node whose shape function has the gradient integrals `faces`·`area`.
-fn node_loads(faces: [i8; 3], area: [f64; 3], out: &mut [f64]) {
-    let g: [f64; 3] = std::array::from_fn(|a| f64::from(faces[a]) * area[a]);
+pub(super) fn node_loads(faces: [f64; 3], area: [f64; 3], out: &mut [f64]) {
+    let g: [f64; 3] = std::array::from_fn(|a| faces[a] * area[a]);
     out.fill(0.0);
     for (field, (alpha, beta)) in [(0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)].into_iter().enumerate() {
         out[HARMONIC_FIELDS * alpha + field] += 0.5 * g[beta];

@@ -73,17 +73,27 @@ impl LocalTrainer {
         elements: &[CellPart],
         progress: Progress<'_>,
     ) -> Result<Training, TrainingError> {
+        self.train_by(elements, progress, &|parts| self.train_cell(model, mesh, parts))
+    }
+
+    /// Training data of the listed elements from `matrices` of the parts of a coarse cell, in parallel over coarse cells.
+    pub(super) fn train_by(
+        &self,
+        elements: &[CellPart],
+        progress: Progress<'_>,
+        matrices: &(dyn Fn(&[CellPart]) -> Result<Vec<Box<[f64]>>, SolverError> + Sync),
+    ) -> Result<Training, TrainingError> {
         // Cells after the first failure are skipped, so that the same one is reported whatever the threads do.
         let (done, failed) = (AtomicUsize::new(0), AtomicUsize::new(usize::MAX));
         let cells: Vec<&[CellPart]> = elements.chunk_by(|a, b| a.cell == b.cell).collect();
-        let matrices: Vec<Result<Vec<Box<[f64]>>, TrainingError>> = cells
+        let outcomes: Vec<Result<Vec<Box<[f64]>>, TrainingError>> = cells
             .par_iter()
             .enumerate()
             .map(|(index, parts)| {
                 if failed.load(Ordering::Relaxed) < index {
                     return Err(TrainingError::Interrupted);
                 }
-                let matrices = self.train_cell(model, mesh, parts).map_err(|source| {
+                let matrices = matrices(parts).map_err(|source| {
                     failed.fetch_min(index, Ordering::Relaxed);
                     self.failure(parts[0].cell, source)
                 })?;
@@ -95,7 +105,7 @@ impl LocalTrainer {
                 Ok(matrices)
             })
             .collect();
-        let matrices: Result<Vec<Vec<Box<[f64]>>>, TrainingError> = matrices.into_iter().collect();
+        let matrices: Result<Vec<Vec<Box<[f64]>>>, TrainingError> = outcomes.into_iter().collect();
         let matrices = PerElement::new(elements.to_vec(), matrices?.into_iter().flatten().collect());
         Ok(Training::from_parts(3 * self.partition.nodes_per_cell(), matrices))
     }
@@ -165,7 +175,7 @@ impl LocalTrainer {
     }
 
     /// One matrix for each of the parts, cut out of displacements on a lattice with these active nodes, of which `nodes` are the cell's.
-    fn cut(
+    pub(super) fn cut(
         &self,
         mesh: &CoarseMesh,
         parts: &[CellPart],
@@ -234,7 +244,7 @@ fn solve(model: &FineModel, domain: CellBox, workspace: &mut Workspace) -> Resul
 }
 
 /// A thread that panicked leaves the pools as they were: both hold finished values only.
-fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
+pub(super) fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 

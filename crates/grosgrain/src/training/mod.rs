@@ -7,6 +7,7 @@ mod global;
 mod harmonic_solver;
 mod local;
 mod rigid;
+mod substructured;
 mod trainer;
 
 pub use cell_data::Training;
@@ -14,7 +15,10 @@ pub use cost::{RunTimeTraining, TrainingCost, run_time_training};
 pub use global::HarmonicDisplacements;
 pub use harmonic_solver::{HarmonicSolver, REFACTOR_LIMIT};
 pub use local::{LocalTrainer, RingKind};
+pub use substructured::{InterfaceForces, InterfaceSpace, Means, Substructures};
 pub use trainer::Trainer;
+
+use std::sync::Arc;
 
 use crate::fine::FineModel;
 use crate::partition::{CellPart, CoarseMesh};
@@ -28,6 +32,8 @@ pub enum TrainingKind {
     Global,
     /// The cell and its neighbours, clipped at the object's boundary.
     OneRing,
+    /// The cell and its neighbours, coupled by a few means per interface; see [`Substructures`].
+    Substructured,
     /// The cell alone; known to be poor, kept as the reference.
     SingleCell,
 }
@@ -71,6 +77,12 @@ pub fn train(
         }
         TrainingKind::OneRing => {
             Ok((LocalTrainer::new(mesh.partition(), RingKind::OneRing).train(model, mesh, elements, progress)?, None))
+        }
+        TrainingKind::Substructured => {
+            let harmonic = HarmonicDisplacements::solve(model, SolverChoice::Auto, progress)?;
+            let forces = Arc::new(InterfaceForces::new(model, mesh.partition(), &harmonic));
+            let substructures = Substructures::new(model, forces, InterfaceSpace::default());
+            Ok((substructures.train(model, mesh, elements, progress)?, Some(harmonic.report)))
         }
         TrainingKind::SingleCell => Ok((
             LocalTrainer::new(mesh.partition(), RingKind::SingleCell).train(model, mesh, elements, progress)?,

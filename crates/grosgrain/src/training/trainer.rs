@@ -1,10 +1,16 @@
 //! Training again and again while the body changes.
 
-use super::{HarmonicSolver, LocalTrainer, RingKind, Training, TrainingError, TrainingKind};
+use std::sync::Arc;
+
+use super::{
+    HarmonicDisplacements, HarmonicSolver, InterfaceForces, InterfaceSpace, LocalTrainer, RingKind, Substructures,
+    Training, TrainingError, TrainingKind,
+};
 use crate::fine::FineModel;
 use crate::mesh::{Cell, Lattice};
 use crate::partition::{CellPart, CoarseCell, CoarseMesh, Partition};
 use crate::progress::Progress;
+use crate::solver::SolverChoice;
 
 /// Trains the coarse cells of one partition again and again; what does not depend on the body's material is kept.
 pub struct Trainer {
@@ -15,19 +21,35 @@ pub struct Trainer {
 enum Engine {
     Global(Box<HarmonicSolver>),
     Local(RingKind, Box<LocalTrainer>),
+    Substructured {
+        substructures: Box<Substructures>,
+        /// Cells whose caches may be those of a body that was given up.
+        unsettled: Vec<CoarseCell>,
+    },
 }
 
 impl Trainer {
-    /// A trainer for bodies on the fine lattice of `partition`.
+    /// A trainer for bodies on the fine lattice of `partition`; substructured training takes its interface forces from `initial`.
     ///
     /// # Errors
-    /// When a factor does not fit into memory.
-    pub fn new(partition: &Partition, kind: TrainingKind) -> Result<Self, TrainingError> {
+    /// When a factor does not fit into memory; for substructured training when the global problem is not solved, or the callback interrupts.
+    pub fn new(
+        initial: &FineModel,
+        partition: &Partition,
+        kind: TrainingKind,
+        progress: Progress<'_>,
+    ) -> Result<Self, TrainingError> {
         let local = |kind| Engine::Local(kind, Box::new(LocalTrainer::new(partition, kind)));
         let engine = match kind {
             TrainingKind::Global => Engine::Global(Box::new(HarmonicSolver::new(partition.fine())?)),
             TrainingKind::OneRing => local(RingKind::OneRing),
             TrainingKind::SingleCell => local(RingKind::SingleCell),
+            TrainingKind::Substructured => {
+                let harmonic = HarmonicDisplacements::solve(initial, SolverChoice::Auto, progress)?;
+                let forces = Arc::new(InterfaceForces::new(initial, partition, &harmonic));
+                let substructures = Box::new(Substructures::new(initial, forces, InterfaceSpace::default()));
+                Engine::Substructured { substructures, unsettled: Vec::new() }
+            }
         };
         Ok(Self { partition: *partition, engine })
     }
@@ -39,12 +61,13 @@ impl Trainer {
         match &self.engine {
             _ if changed.is_empty() => Vec::new(),
             Engine::Global(_) => (0..coarse.cell_count()).map(CoarseCell).collect(),
-            Engine::Local(RingKind::OneRing, _) => neighbourhood(coarse, changed),
+            Engine::Local(RingKind::OneRing, _) | Engine::Substructured { .. } => neighbourhood(coarse, changed),
             Engine::Local(RingKind::SingleCell, _) => ascending(changed.to_vec()),
         }
     }
 
-    /// Training data of the listed elements of `mesh` (ascending) for the body as it is now.
+    /// Training data of the listed elements of `mesh` (ascending) for the body as it is now; it has changed in the `changed` cells and nowhere
+    /// else since the data of the last call were [settled](Self::settle).
     ///
     /// # Errors
     /// When a problem is not solved, or the callback interrupts.
@@ -52,7 +75,7 @@ impl Trainer {
         &mut self,
         model: &FineModel,
         mesh: &CoarseMesh,
-        elements: &[CellPart],
+        (changed, elements): (&[CoarseCell], &[CellPart]),
         progress: Progress<'_>,
     ) -> Result<Training, TrainingError> {
         match &mut self.engine {
@@ -61,6 +84,19 @@ impl Trainer {
                 Ok(Training::from_harmonic(model, mesh, elements, &harmonic))
             }
             Engine::Local(_, trainer) => trainer.train(model, mesh, elements, progress),
+            Engine::Substructured { substructures, unsettled } => {
+                unsettled.extend(changed);
+                *unsettled = ascending(std::mem::take(unsettled));
+                substructures.renew(model, unsettled);
+                substructures.train(model, mesh, elements, progress)
+            }
+        }
+    }
+
+    /// Tells that the body of the last training stays. Without this the next training starts from the one before.
+    pub fn settle(&mut self) {
+        if let Engine::Substructured { unsettled, .. } = &mut self.engine {
+            unsettled.clear();
         }
     }
 }

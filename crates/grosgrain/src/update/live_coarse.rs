@@ -42,10 +42,10 @@ impl LiveCoarse {
         let mut clock = Instant::now();
         let mut lap = || std::mem::replace(&mut clock, Instant::now()).elapsed().as_secs_f64();
         let training = run_time_training(&partition, options.training);
-        let mut trainer = Trainer::new(&partition, training)?;
+        let mut trainer = Trainer::new(fine, &partition, training, progress)?;
         let fitter = ElementFitter::new(&partition, fine.grid().spacing, (options.base, Objective::ClosedForm))?;
         report.seconds.topology = lap();
-        let data = trainer.train(fine, &mesh, mesh.elements(), progress)?;
+        let data = trainer.train(fine, &mesh, (&[], mesh.elements()), progress)?;
         report.seconds.training = lap();
         let functions = fitter.fit(fine, &mesh, &data, progress)?;
         report.seconds.fitting = lap();
@@ -88,10 +88,11 @@ impl LiveCoarse {
         let of_cell = |cell: &CoarseCell| mesh.elements()[mesh.elements_of(*cell)].iter().copied();
         let dirty: Vec<CellPart> = self.trainer.reach(&changed_cells).iter().flat_map(of_cell).collect();
         report.seconds.topology = lap();
-        let data = self.trainer.train(fine, &mesh, &dirty, progress)?;
+        let data = self.trainer.train(fine, &mesh, (&changed_cells, &dirty), progress)?;
         report.seconds.training = lap();
         let functions = self.fitter.fit(fine, &mesh, &data, progress)?;
         report.seconds.fitting = lap();
+        self.trainer.settle();
         let old = topology.then(|| self.model.mesh().clone());
         self.model.replace(fine, mesh, functions);
         report.seconds.assembly = lap();

@@ -81,7 +81,7 @@ pub fn error_charts(entries: &[Entry], patterns: &[Heterogeneity], folder: &Path
 fn points(entries: &[Entry], pattern: Heterogeneity, setting: Setting, trainer: Trainer) -> Vec<[f64; 2]> {
     let of_it = entries.iter().filter(|e| (e.pattern, e.setting, e.trainer) == (pattern, setting, trainer));
     // A logarithmic axis has no place for an exact zero.
-    of_it.filter_map(|e| Some([e.degree as f64, e.percent.filter(|percent| *percent > 0.0)?])).collect()
+    of_it.filter(|e| e.percent > 0.0).map(|e| [e.degree as f64, e.percent]).collect()
 }
 
 /// A chart of measured and published times over the degree.

@@ -12,14 +12,14 @@ const NAME: &str = "table1";
 /// Why no row has a published figure.
 const LOST: &str = "the numbers of Table 1 are lost in the text that this was written from";
 
-/// An error, or `None` where this version does not have the training.
+/// An error in percent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Entry {
     pub pattern: Heterogeneity,
     pub degree: usize,
     pub setting: Setting,
     pub trainer: Trainer,
-    pub percent: Option<f64>,
+    pub percent: f64,
 }
 
 /// Runs every case.
@@ -58,7 +58,7 @@ fn case(study: &Study, pattern: Heterogeneity, degree: usize) -> Result<Vec<Entr
                 Some(entry) => entry.percent,
                 None => error(&case, setting, trainer, study.progress)?,
             };
-            if let (None, Some(percent)) = (known, percent) {
+            if known.is_none() {
                 study.progress.say(&format!("{name}: {}, {}: {} %", trainer.name(), setting.name(), digits(percent)));
             }
             entries.push(Entry { pattern, degree, setting, trainer, percent });
@@ -68,19 +68,18 @@ fn case(study: &Study, pattern: Heterogeneity, degree: usize) -> Result<Vec<Entr
 }
 
 fn error_row(study: &Study, entry: &Entry, updated: usize) -> Row {
-    let availability = match entry.percent {
-        None => "; this version does not have the training yet",
-        Some(_) if !entry.trainer.has_history() => "; the training has no history, so all settings are the same run",
-        Some(_) => "",
+    let history = match entry.trainer.has_history() {
+        true => "",
+        false => "; the training has no history, so all settings are the same run",
     };
     Row {
         degree: Some(entry.degree),
         pattern: Some(entry.pattern.name()),
         setting: Some(entry.setting.name()),
         method: Some(entry.trainer.name()),
-        measured: entry.percent,
+        measured: Some(entry.percent),
         updated_cells: Some(updated),
-        note: Some(format!("{LOST}{availability}")),
+        note: Some(format!("{LOST}{history}")),
         ..Row::new(study, NAME, "error", "%")
     }
 }
@@ -104,12 +103,11 @@ fn summary_rows(study: &Study, entries: &[Entry]) -> Vec<Row> {
     all.flat_map(|key| Trainer::ALL.into_iter().flat_map(move |trainer| row(key, trainer))).collect()
 }
 
-/// Mean error over the patterns of a degree, or over all cases; `None` if one is missing.
+/// Mean error over the patterns of a degree, or over all cases; `None` if there is none.
 pub fn mean(entries: &[Entry], degree: Option<usize>, setting: Setting, trainer: Trainer) -> Option<f64> {
     let matches = |e: &&Entry| e.setting == setting && e.trainer == trainer && degree.is_none_or(|d| e.degree == d);
-    let found: Option<Vec<f64>> = entries.iter().filter(matches).map(|e| e.percent).collect();
-    let found = found.filter(|found| !found.is_empty())?;
-    Some(found.iter().sum::<f64>() / found.len() as f64)
+    let found: Vec<f64> = entries.iter().filter(matches).map(|e| e.percent).collect();
+    (!found.is_empty()).then(|| found.iter().sum::<f64>() / found.len() as f64)
 }
 
 /// The same mean over that of the one-ring.

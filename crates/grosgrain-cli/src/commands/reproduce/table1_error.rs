@@ -1,13 +1,14 @@
 //! One figure of Table 1: the error that a training leaves on a beam.
 
-use grosgrain::coarse::{BuildOptions, Method, build};
+use grosgrain::coarse::{BuildOptions, CoarseModel, Method, build};
 use grosgrain::dynamics::{FineSolution, relative_error, solve_coarse, solve_fine};
 use grosgrain::fine::{FineModel, gravity};
-use grosgrain::mesh::Node;
+use grosgrain::mesh::{Cell, Label, Node};
 use grosgrain::solver::SolverChoice;
-use grosgrain::training::TrainingKind;
+use grosgrain::training::{RunTimeTraining, TrainingKind};
+use grosgrain::update::{Change, Edit, LiveModel, LiveOptions, Region};
 
-use super::bodies::{Heterogeneity, fine_model};
+use super::bodies::{Heterogeneity, PHASES, fine_model};
 use super::setting::Setting;
 use crate::failure::Failure;
 use crate::outcome::failed;
@@ -43,7 +44,7 @@ impl Trainer {
             Self::Stateless(TrainingKind::Global) => "global",
             Self::Stateless(TrainingKind::OneRing) => "one-ring",
             Self::Stateless(TrainingKind::SingleCell) => "single-cell",
-            Self::Substructured => "substructured",
+            Self::Substructured | Self::Stateless(TrainingKind::Substructured) => "substructured",
             Self::Auto => "auto",
         }
     }
@@ -83,16 +84,39 @@ impl Case {
     }
 }
 
-/// RMS error in percent of the coarse model with this training, initialised as `setting` says and updated to the case; `None`
-/// where this version does not have the training.
+/// RMS error in percent of the coarse model with this training, initialised as `setting` says and updated to the case.
 ///
-/// Every figure of Table 1 comes from here. A training with history needs an arm that initialises it on
-/// [`Setting::initial`] and updates [`Setting::changed_cells`].
-pub fn error(case: &Case, setting: Setting, trainer: Trainer, progress: &Progress) -> Result<Option<f64>, Failure> {
-    match (trainer, setting) {
-        (Trainer::Stateless(kind), _) => rebuilt(case, kind, progress).map(Some),
-        (Trainer::Substructured | Trainer::Auto, _) => Ok(None),
+/// Every figure of Table 1 comes from here.
+pub fn error(case: &Case, setting: Setting, trainer: Trainer, progress: &Progress) -> Result<f64, Failure> {
+    match trainer {
+        Trainer::Stateless(kind) => rebuilt(case, kind, progress),
+        Trainer::Substructured => updated(case, setting, RunTimeTraining::Fixed(TrainingKind::Substructured), progress),
+        Trainer::Auto => updated(case, setting, RunTimeTraining::default(), progress),
     }
+}
+
+/// The error of a model that is built on the body of initialisation and then updated to the case, in one update.
+fn updated(case: &Case, setting: Setting, training: RunTimeTraining, progress: &Progress) -> Result<f64, Failure> {
+    let report = |stage, done, total| progress.report(stage, done, total);
+    let target = case.model.grid();
+    let initial = setting.initial(target, case.degree)?;
+    let differs = |label: &Label| -> Vec<Cell> {
+        let is_new = |c: &usize| target.labels[*c] == *label && initial.labels[*c] != *label;
+        (0..target.labels.len()).filter(is_new).map(Cell).collect()
+    };
+    let edits: Vec<Edit> = PHASES
+        .iter()
+        .map(|label| Edit { region: Region::Cells(differs(label)), change: Change::Material(*label) })
+        .filter(|edit| !matches!(&edit.region, Region::Cells(cells) if cells.is_empty()))
+        .collect();
+    let options = LiveOptions { training, ..LiveOptions::default() };
+    let live = LiveModel::new(fine_model(initial)?, case.degree, &options, case.fixed.clone(), &report);
+    progress.close();
+    let mut live = live.map_err(|error| failed(&error))?;
+    let update = live.apply_all(&edits, &report);
+    progress.close();
+    update.map_err(|error| failed(&error))?;
+    solved(case, live.coarse(), progress)
 }
 
 /// The error of a model that is built on the case from scratch.
@@ -102,7 +126,13 @@ fn rebuilt(case: &Case, kind: TrainingKind, progress: &Progress) -> Result<f64, 
     let built = build(&case.model, case.degree, &options, &report);
     progress.close();
     let built = built.map_err(|error| failed(&error))?;
-    let coarse = solve_coarse(&built.model, &case.fixed, &case.loads, &report);
+    solved(case, &built.model, progress)
+}
+
+/// The error of a coarse model under the loads of the case.
+fn solved(case: &Case, model: &CoarseModel, progress: &Progress) -> Result<f64, Failure> {
+    let report = |stage, done, total| progress.report(stage, done, total);
+    let coarse = solve_coarse(model, &case.fixed, &case.loads, &report);
     progress.close();
     let coarse = coarse.map_err(|error| failed(&format!("the coarse model: {error}")))?;
     Ok(100.0 * relative_error(&coarse.displacement, &case.fine.displacement))

@@ -15,23 +15,11 @@ published: the table's numbers are lost in the text that this was written from, 
   global is only marginally better than one-ring, both are accurate; substructured is slightly worse than one-ring;
   single-cell suffers large errors";
 
-/// A block per setting. Settings that no training here depends on share one.
+/// A block per setting.
 pub fn text(study: &Study, entries: &[Entry]) -> String {
     let mut parts = vec![HEADING.to_owned()];
-    let depends = entries.iter().any(|e| e.trainer.has_history() && e.percent.is_some());
     for setting in Setting::ALL {
-        match depends || setting == Setting::Own {
-            true => parts.push(format!("{}:\n{}", capitalised(setting.sentence()), block(study, entries, setting))),
-            false => parts.push(format!(
-                "{}: as above, since global, one-ring and single-cell have no history",
-                capitalised(setting.sentence())
-            )),
-        }
-    }
-    let missing = Trainer::ALL.into_iter().filter(|t| !entries.iter().any(|e| e.trainer == *t && e.percent.is_some()));
-    let missing: Vec<&str> = missing.map(Trainer::name).collect();
-    if !missing.is_empty() {
-        parts.push(format!("–: not in this version yet ({})", missing.join(", ")));
+        parts.push(format!("{}:\n{}", capitalised(setting.sentence()), block(study, entries, setting)));
     }
     parts.push(format!("machine: {}", study.machine));
     parts.join("\n")
@@ -44,7 +32,7 @@ fn block(study: &Study, entries: &[Entry], setting: Setting) -> String {
             let percent = |trainer| {
                 let is_it =
                     |e: &&Entry| (e.pattern, e.degree, e.setting, e.trainer) == (*pattern, degree, setting, trainer);
-                or_dash(entries.iter().find(is_it).and_then(|e| e.percent), digits)
+                or_dash(entries.iter().find(is_it).map(|e| e.percent), digits)
             };
             lines.push(row(&format!("{}, d = {degree}", pattern.name()), Trainer::ALL.map(percent)));
         }

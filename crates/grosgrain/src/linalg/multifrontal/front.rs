@@ -5,7 +5,8 @@
 
 use super::plan::{STRIP, TILE};
 
-/// Pivots whose products are subtracted in one pass over the trailing columns: a tile of the panel stays in the first cache.
+/// Pivots that are eliminated before their products are subtracted from the columns after them: a tile of so many columns of the panel stays in the first
+/// cache, and those of all rows in the second.
 const DEPTH: usize = 128;
 /// A pivot below this share of the unknown's assembled diagonal is a motion without stiffness. Rounding leaves about 1e-14, the softest part that
 /// is told apart is 1e-12 of what it hangs on.
@@ -39,21 +40,20 @@ impl pulp::WithSimd for Elimination<'_> {
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(mut self, simd: S) {
         let tiles = self.stride / TILE;
-        for strip in (0..self.padded).step_by(STRIP) {
-            for tile in strip / TILE..tiles {
-                self.subtract(simd, tile, strip, 0..strip);
+        for start in (0..self.padded).step_by(DEPTH) {
+            let end = (start + DEPTH).min(self.padded);
+            for strip in (start..end).step_by(STRIP) {
+                for tile in strip / TILE..tiles {
+                    self.subtract(simd, tile, strip, start..strip);
+                }
+                let triangle = self.factor_diagonal(strip);
+                for tile in strip / TILE..tiles {
+                    self.divide(simd, tile, strip, &triangle);
+                }
             }
-            let triangle = self.factor_diagonal(strip);
-            for tile in strip / TILE..tiles {
-                self.divide(simd, tile, strip, &triangle);
-            }
-        }
-        for start in (0..self.pivots).step_by(DEPTH) {
-            let depth = start..(start + DEPTH).min(self.pivots);
-            for tile in self.padded / TILE..tiles {
-                let end = (TILE * (tile + 1)).min(self.padded_columns);
-                for strip in (self.padded..end).step_by(STRIP) {
-                    self.subtract(simd, tile, strip, depth.clone());
+            for tile in end / TILE..tiles {
+                for strip in (end..(TILE * (tile + 1)).min(self.padded_columns)).step_by(STRIP) {
+                    self.subtract(simd, tile, strip, start..end.min(self.pivots));
                 }
             }
         }

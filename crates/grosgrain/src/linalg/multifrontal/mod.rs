@@ -11,7 +11,7 @@ mod solver;
 mod tree;
 
 pub use plan::{FrontalPlan, FrontalPlanError};
-pub use solver::{Eliminated, FrontalSolver};
+pub use solver::{Eliminated, FrontalFactors, FrontalSolver};
 pub use tree::{box_tree, box_tree_around};
 
 #[cfg(test)]

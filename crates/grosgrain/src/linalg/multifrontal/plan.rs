@@ -238,7 +238,7 @@ impl FrontalPlan {
         let largest = self.fronts.iter().map(dense).max().unwrap_or(0);
         let panel = self.fronts.iter().map(|f| f.stride(extra) * f.padded).max().unwrap_or(0);
         let slots: usize = self.slots.iter().map(|n| n * (n + extra)).sum();
-        let factors: usize = self.fronts.iter().rev().take(kept).map(|f| f.stride(extra) * f.padded).sum();
+        let factors: usize = self.fronts.iter().rev().take(kept).map(|f| f.columns() * f.pivots).sum();
         size_of::<f64>() * (largest + panel + slots + factors + self.order() * (extra + 2))
     }
 }

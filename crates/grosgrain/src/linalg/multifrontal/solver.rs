@@ -20,15 +20,27 @@ pub struct Eliminated {
 pub struct FrontalSolver {
     plan: Arc<FrontalPlan>,
     extra: usize,
-    kept: usize,
     front: Vec<f64>,
     panel: Vec<f64>,
     slots: Vec<Vec<f64>>,
+    scale: Vec<f64>,
+    local: Vec<f64>,
+    result: FrontalFactors,
+}
+
+/// What an elimination leaves: the loads after elimination and the factors of the last groups.
+///
+/// Without the workspace of a solver, so that many systems of one shape are kept and share the workspace of one
+/// ([`FrontalSolver::exchange`]).
+#[derive(Clone, Debug)]
+pub struct FrontalFactors {
+    plan: Arc<FrontalPlan>,
+    extra: usize,
+    kept: usize,
+    /// Per kept front its pivots' columns, without the extra rows.
     factors: Vec<Vec<f64>>,
     inverse: Vec<f64>,
-    scale: Vec<f64>,
     forward: Vec<f64>,
-    local: Vec<f64>,
 }
 
 /// Columns of a substitution backwards, one vector register.
@@ -37,24 +49,28 @@ const LANES: usize = 8;
 impl FrontalSolver {
     /// A solver for systems with `extra` loads; the factors of the last `kept_groups` groups are kept for the substitution backwards.
     pub fn new(plan: Arc<FrontalPlan>, extra: usize, kept_groups: usize) -> Self {
-        let kept = kept_groups.min(plan.fronts.len());
         let size = |f: &Front| f.stride(extra) * f.padded_columns();
         let panel = |f: &Front| f.stride(extra) * f.padded;
-        let first_kept = plan.fronts.len() - kept;
-        let order = plan.order();
         Self {
             extra,
-            kept,
             front: vec![0.0; plan.fronts.iter().map(size).max().unwrap_or(0)],
             panel: vec![0.0; plan.fronts.iter().map(panel).max().unwrap_or(0)],
             slots: plan.slots.iter().map(|n| vec![0.0; n * (n + extra)]).collect(),
-            factors: plan.fronts[first_kept..].iter().map(|f| vec![0.0; panel(f)]).collect(),
-            inverse: vec![0.0; order],
-            scale: vec![0.0; order],
-            forward: vec![0.0; order * extra],
+            scale: vec![0.0; plan.order()],
             local: Vec::new(),
+            result: FrontalFactors::new(plan.clone(), extra, kept_groups),
             plan,
         }
+    }
+
+    /// Swaps the result of the last elimination against `other`, whose place the next elimination takes.
+    ///
+    /// # Panics
+    /// Panics when `other` was made for another number of loads or of groups, or for a plan of another size.
+    pub fn exchange(&mut self, other: &mut FrontalFactors) {
+        let size = |f: &FrontalFactors| (f.extra, f.kept, f.plan.order());
+        assert_eq!(size(&self.result), size(other), "factors of the same loads, groups and plan");
+        std::mem::swap(&mut self.result, other);
     }
 
     /// The plan.
@@ -80,10 +96,10 @@ impl FrontalSolver {
         for node in 0..plan.position.len() {
             let place = plan.place(node);
             let size = plan.block * self.extra;
-            load(node, &mut self.forward[place * self.extra..][..size]);
+            load(node, &mut self.result.forward[place * self.extra..][..size]);
         }
         let mut skipped = 0;
-        let first_kept = plan.fronts.len() - self.kept;
+        let first_kept = plan.fronts.len() - self.result.kept;
         for (f, front) in plan.fronts.iter().enumerate() {
             self.assemble(&plan, front, element);
             skipped += self.eliminate_front(front);
@@ -116,7 +132,7 @@ impl FrontalSolver {
             self.front[stride * c + c / TILE * TILE..stride * (c + 1)].fill(0.0);
         }
         for c in 0..front.pivots {
-            let loads = &self.forward[(front.first + c) * extra..][..extra];
+            let loads = &self.result.forward[(front.first + c) * extra..][..extra];
             self.front[stride * c + front.columns()..][..extra].copy_from_slice(loads);
         }
         for &e in &front.elements {
@@ -151,7 +167,7 @@ impl FrontalSolver {
             inverse: &mut self.local,
             skipped: &mut skipped,
         });
-        self.inverse[front.first..][..front.pivots].copy_from_slice(&self.local[..front.pivots]);
+        self.result.inverse[front.first..][..front.pivots].copy_from_slice(&self.local[..front.pivots]);
         skipped
     }
 
@@ -159,12 +175,13 @@ impl FrontalSolver {
         let (stride, extra) = (front.stride(self.extra), self.extra);
         for c in 0..front.pivots {
             let rows = &self.front[stride * c + front.columns()..][..extra];
-            self.forward[(front.first + c) * extra..][..extra].copy_from_slice(rows);
+            self.result.forward[(front.first + c) * extra..][..extra].copy_from_slice(rows);
         }
         if let Some(kept) = kept {
-            let factor = &mut self.factors[kept];
-            let size = factor.len();
-            factor.copy_from_slice(&self.front[..size]);
+            let columns = self.result.factors[kept].chunks_exact_mut(front.columns().max(1));
+            for (column, from) in columns.zip(self.front.chunks_exact(stride)) {
+                column.copy_from_slice(&from[..front.columns()]);
+            }
         }
         if front.boundary > 0 {
             let height = front.boundary + extra;
@@ -174,6 +191,42 @@ impl FrontalSolver {
                 slot[height * c + c..height * (c + 1)].copy_from_slice(column);
             }
         }
+    }
+
+    /// [`FrontalFactors::forward`] of the last elimination.
+    pub fn forward(&self) -> &[f64] {
+        self.result.forward()
+    }
+
+    /// [`FrontalFactors::substitute_back`] with the last elimination's factors.
+    ///
+    /// # Panics
+    /// Panics when `y` does not hold eight values per unknown.
+    pub fn substitute_back(&self, y: &mut [[f64; LANES]]) {
+        self.result.substitute_back(y);
+    }
+}
+
+impl FrontalFactors {
+    /// Room for the result of an elimination with `extra` loads that keeps the factors of the last `kept_groups` groups.
+    pub fn new(plan: Arc<FrontalPlan>, extra: usize, kept_groups: usize) -> Self {
+        let kept = kept_groups.min(plan.fronts.len());
+        let order = plan.order();
+        let room = |f: &Front| vec![0.0; f.columns() * f.pivots];
+        Self {
+            extra,
+            kept,
+            factors: plan.fronts[plan.fronts.len() - kept..].iter().map(room).collect(),
+            inverse: vec![0.0; order],
+            forward: vec![0.0; order * extra],
+            plan,
+        }
+    }
+
+    /// Bytes of the numbers held.
+    pub fn bytes(&self) -> usize {
+        let factors: usize = self.factors.iter().map(Vec::len).sum();
+        size_of::<f64>() * (factors + self.inverse.len() + self.forward.len())
     }
 
     /// The loads after elimination, L⁻¹ f: `extra` values for each unknown in elimination order ([`FrontalPlan::place`]); zero for skipped pivots.
@@ -192,7 +245,7 @@ impl FrontalSolver {
         let first_kept = plan.fronts.len() - self.kept;
         let mut boundary = Vec::new();
         for (front, factor) in plan.fronts[first_kept..].iter().zip(&self.factors).rev() {
-            let stride = front.stride(self.extra);
+            let stride = front.columns();
             boundary.clear();
             boundary.extend(front.rows.iter().map(|row| y[*row as usize]));
             let pivots = &mut y[front.first..][..front.pivots];

@@ -1,0 +1,139 @@
+//! Small dense matrices of substructures, row-major.
+
+/// A pivot below this share of its diagonal: rows that a cell cannot tell apart.
+const DEPENDENT: f64 = 1e-8;
+/// A pivot below this share of its diagonal is a motion without stiffness.
+const VANISHING: f64 = 1e-11;
+
+/// Inverts a positive definite n×n matrix in place by Gauss–Jordan elimination; false where a pivot is too small to keep digits.
+pub(super) fn invert(n: usize, a: &mut [f64], row: &mut Vec<f64>) -> bool {
+    struct Invert<'a>(usize, &'a mut [f64], &'a mut Vec<f64>);
+    impl pulp::WithSimd for Invert<'_> {
+        type Output = bool;
+        #[inline(always)]
+        fn with_simd<S: pulp::Simd>(self, _: S) -> bool {
+            let Self(n, a, pivot_row) = self;
+            let scale: Vec<f64> = (0..n).map(|k| a[k * n + k]).collect();
+            for (k, &scale) in scale.iter().enumerate() {
+                let pivot = a[k * n + k];
+                if pivot.is_nan() || pivot <= DEPENDENT * scale {
+                    return false;
+                }
+                let inverse = 1.0 / pivot;
+                a[k * n + k] = 1.0;
+                pivot_row.clear();
+                pivot_row.extend(a[k * n..][..n].iter().map(|x| x * inverse));
+                for (i, target) in a.chunks_exact_mut(n).enumerate() {
+                    if i == k {
+                        target.copy_from_slice(pivot_row);
+                        continue;
+                    }
+                    let factor = -target[k];
+                    target[k] = 0.0;
+                    target.iter_mut().zip(pivot_row.iter()).for_each(|(t, p)| *t = factor.mul_add(*p, *t));
+                }
+            }
+            true
+        }
+    }
+    n == 0 || pulp::Arch::new().dispatch(Invert(n, a, row))
+}
+
+/// Solves the positive semidefinite system A x = b of `columns` right-hand sides in place; x is zero where a pivot vanishes.
+pub(super) fn solve_semidefinite(n: usize, a: &mut [f64], b: &mut [f64], columns: usize) {
+    let mut inverse = vec![0.0; n];
+    for k in 0..n {
+        let scale = a[k * n + k];
+        let (above, rest) = a.split_at_mut(k * n);
+        let current = &mut rest[..n];
+        for j in 0..k {
+            let other = &above[j * n..][..j];
+            let sum: f64 = current[..j].iter().zip(other).map(|(x, y)| x * y).sum();
+            current[j] = (current[j] - sum) * inverse[j];
+        }
+        let pivot = scale - current[..k].iter().map(|x| x * x).sum::<f64>();
+        inverse[k] = if pivot > VANISHING * scale { 1.0 / pivot.sqrt() } else { 0.0 };
+    }
+    for k in 0..n {
+        for c in 0..columns {
+            let sum: f64 = (0..k).map(|j| a[k * n + j] * b[columns * j + c]).sum();
+            b[columns * k + c] = (b[columns * k + c] - sum) * inverse[k];
+        }
+    }
+    for k in (0..n).rev() {
+        for c in 0..columns {
+            let sum: f64 = (k + 1..n).map(|j| a[j * n + k] * b[columns * j + c]).sum();
+            b[columns * k + c] = (b[columns * k + c] - sum) * inverse[k];
+        }
+    }
+}
+
+/// Y_S Y_Sᵀ: entries i, j = Σ over the rows y of `rows` (`width` values each, a multiple of eight) of y_i y_j; the lower triangle of the
+/// `width` × `width` result, in whole blocks of 4 × 8.
+pub(super) fn gram(rows: &[f64], width: usize, out: &mut Vec<f64>) {
+    struct Gram<'a>(&'a [f64], usize, &'a mut [f64]);
+    impl pulp::WithSimd for Gram<'_> {
+        type Output = ();
+        #[inline(always)]
+        fn with_simd<S: pulp::Simd>(self, _: S) {
+            let Self(rows, width, out) = self;
+            for i in (0..width).step_by(4) {
+                for j in (0..=i).step_by(8) {
+                    let mut sums = [[0.0; 8]; 4];
+                    for row in rows.chunks_exact(width) {
+                        let mut right = [0.0; 8];
+                        right.copy_from_slice(&row[j..j + 8]);
+                        for (sum, left) in sums.iter_mut().zip(&row[i..i + 4]) {
+                            (0..8).for_each(|k| sum[k] = left.mul_add(right[k], sum[k]));
+                        }
+                    }
+                    for (r, sum) in sums.iter().enumerate() {
+                        out[width * (i + r) + j..][..8].copy_from_slice(sum);
+                    }
+                }
+            }
+        }
+    }
+    out.clear();
+    out.resize(width * width, 0.0);
+    pulp::Arch::new().dispatch(Gram(rows, width, out));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn inverses_grams_and_semidefinite_solutions_are_those_of_their_definitions() {
+        let (n, width) = (13, 16);
+        let rows: Vec<f64> = (0..40 * width).map(|i| ((i * i) as f64 * 0.37).sin()).collect();
+        let mut all = Vec::new();
+        gram(&rows, width, &mut all);
+        for i in 0..width {
+            for j in 0..=i {
+                let sum: f64 = rows.chunks_exact(width).map(|r| r[i] * r[j]).sum();
+                assert!((all[width * i + j] - sum).abs() < 1e-12);
+            }
+        }
+        let entry = |i: usize, j: usize| all[width * i.max(j) + i.min(j)];
+        let a: Vec<f64> = (0..n * n).map(|m| entry(m / n, m % n)).collect();
+        let mut inverse = a.clone();
+        assert!(invert(n, &mut inverse, &mut Vec::new()));
+        for (i, j) in (0..n * n).map(|m| (m / n, m % n)) {
+            let sum: f64 = (0..n).map(|k| a[n * i + k] * inverse[n * k + j]).sum();
+            assert!((sum - f64::from(u8::from(i == j))).abs() < 1e-12);
+        }
+        // B Bᵀ of rank three.
+        let b: Vec<[f64; 3]> = (0..n).map(|i| [1.0, i as f64, (i as f64).cos()]).collect();
+        let dot = |i: usize, j: usize| (0..3).map(|k| b[i][k] * b[j][k]).sum::<f64>();
+        let low: Vec<f64> = (0..n * n).map(|m| dot(m / n, m % n)).collect();
+        assert!(!invert(n, &mut low.clone(), &mut Vec::new()));
+        let load: Vec<f64> = (0..2 * n).map(|m| dot(m / 2, m % 2)).collect();
+        let mut x = load.clone();
+        solve_semidefinite(n, &mut low.clone(), &mut x, 2);
+        for (i, k) in (0..2 * n).map(|m| (m / 2, m % 2)) {
+            let sum: f64 = (0..n).map(|j| low[n * i + j] * x[2 * j + k]).sum();
+            assert!((sum - load[2 * i + k]).abs() < 1e-9 * dot(n - 1, n - 1));
+        }
+    }
+}
