@@ -140,4 +140,31 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn means_and_forces_as_unknowns_give_the_same_displacements() {
+        let (initial, model) = (body(3, 11), body(3, 40));
+        let partition = Partition::new(initial.grid().lattice, 3).unwrap();
+        let harmonic = HarmonicDisplacements::solve(&initial, SolverChoice::Direct, &silent).unwrap();
+        let forces = Arc::new(InterfaceForces::new(&initial, &partition, &harmonic));
+        let substructures = Substructures::new(&model, forces, InterfaceSpace::default());
+        for cell in [4, 13, 26].map(CoarseCell) {
+            let ring = substructures.ring(&model, cell).unwrap();
+            let groups = ring.groups();
+            let solve = |workspace: &mut super::super::RingWorkspace| workspace.answers(&ring, &groups);
+            let means = substructures.with_workspace(&ring.shape, true, solve).unwrap().unwrap();
+            let plan = substructures.ring_plan(&ring.shape).unwrap();
+            let forces = super::super::dual_answers(&ring, &plan, &groups, true).unwrap();
+            for ((member, means), forces) in ring.members.iter().zip(&means).zip(&forces) {
+                let of = |answer: &Option<CellAnswer>| {
+                    let answer = answer.as_ref().unwrap();
+                    substructures.displacements_of(member.as_ref().unwrap(), answer).unwrap()
+                };
+                let (means, forces) = (of(means), of(forces));
+                let size = means.iter().fold(0.0f64, |m, u| m.max(u.abs()));
+                let error = means.iter().zip(&forces).fold(0.0f64, |m, (a, b)| m.max((a - b).abs()));
+                assert!(error < 1e-8 * size, "{error:e} of {size:e}");
+            }
+        }
+    }
 }
