@@ -174,7 +174,8 @@ impl Substructures {
         if !unchanged && !self.loads_add_up(model, &caches, ring) {
             return None;
         }
-        Some(Ring::new(size, index, &caches, unchanged))
+        // In a cell with voids neighbours may move nodes, and parts each other: their relative rotation must not be free.
+        Some(Ring::new(size, index, &caches, (unchanged, !self.solids[centre.0].is_full())))
     }
 
     /// Whether the cells' own loads are those of the ring's hull.
