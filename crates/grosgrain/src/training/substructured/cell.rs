@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::dense::{gram, invert, solve_semidefinite};
+use super::dense::{add_product, combine, gram, invert, solve_semidefinite};
 use super::forces::{CellLoads, NODE_COLUMNS, quarter_areas};
 use super::interface::Interface;
 use super::solids::{Solids, local_node};
@@ -168,12 +168,12 @@ impl CellCache {
     ) -> Vec<f64> {
         let nodes = plan.order() / 3;
         let mut values = vec![[0.0; 8]; plan.order()];
-        for (value, forward) in values.iter_mut().zip(self.factors.forward().chunks_exact(self.width)) {
-            value[..F].copy_from_slice(&forward[..F]);
-            for (y, lambda) in forward[F..].iter().zip(answer.multipliers.chunks_exact(F)) {
-                (0..F).for_each(|k| value[k] -= y * lambda[k]);
-            }
+        let mut weights = vec![[0.0; 8]; F + self.rows()];
+        (0..F).for_each(|k| weights[k][k] = 1.0);
+        for (weight, lambda) in weights[F..].iter_mut().zip(answer.multipliers.chunks_exact(F)) {
+            (0..F).for_each(|k| weight[k] = -lambda[k]);
         }
+        combine(self.factors.forward(), self.width, &weights, &mut values);
         self.factors.substitute_back(&mut values);
         let mut fields = vec![0.0; 3 * F * nodes];
         for node in 0..nodes {
@@ -281,7 +281,7 @@ pub(super) struct Condensed {
     pub load: Vec<f64>,
     /// Six multipliers of every row of the cell: known ones, zero for `rows`.
     pub known: Vec<f64>,
-    /// S H⁺ f − F' λ of the known multipliers + ρ G e, all rows × 6.
+    /// S H⁺ f − F' λ of the known multipliers + ρ G e on `rows`, among all rows × 6.
     pub answer: Vec<f64>,
     /// e − Gᵀ λ of the known multipliers, 6 per part × 6.
     pub resultant: Vec<f64>,
@@ -302,9 +302,10 @@ impl CellCache {
         let (mut answer, mut resultant) = (self.answer.clone(), self.resultant.clone());
         for s in (0..all).filter(|s| known[F * s..][..F].iter().any(|v| *v != 0.0)) {
             let lambda = &known[F * s..][..F];
-            for (r, answer) in answer.chunks_exact_mut(F).enumerate() {
+            for &r in &rows {
                 let f = self.flexibility[all * s + r];
-                (0..F).for_each(|k| answer[k] -= f * lambda[k]);
+                let answer = &mut answer[F * r..][..F];
+                answer.iter_mut().zip(lambda).for_each(|(a, l)| *a -= f * l);
             }
             for (m, e) in resultant.chunks_exact_mut(F).enumerate() {
                 let g = self.rigid[motions * s + m];
@@ -347,17 +348,17 @@ impl CellCache {
             right[columns * m + n..][..F].copy_from_slice(&condensed.resultant[F * free[m]..][..F]);
         }
         solve_semidefinite(free_count, &mut matrix, &mut right, columns);
+        add_product(n, (&spread, &right), columns, -1.0, &mut k);
         condensed.load = vec![0.0; n * F];
         for s in 0..n {
-            let row = &mut k[n * s..][..n];
+            let row = &k[n * s..][..n];
             let load = &mut condensed.load[F * s..][..F];
             for m in 0..free_count {
-                let (part, factor) = (&right[columns * m..][..columns], spread[free_count * s + m]);
-                row.iter_mut().zip(part).for_each(|(k, p)| *k -= factor * p);
-                load.iter_mut().zip(&part[n..]).for_each(|(g, p)| *g += factor * p);
+                let (part, factor) = (&right[columns * m + n..][..F], spread[free_count * s + m]);
+                load.iter_mut().zip(part).for_each(|(g, p)| *g += factor * p);
             }
-            for (r, value) in row.iter().enumerate() {
-                (0..F).for_each(|c| load[c] += value * condensed.answer[F * rows[r] + c]);
+            for (value, r) in row.iter().zip(rows) {
+                load.iter_mut().zip(&condensed.answer[F * r..][..F]).for_each(|(g, b)| *g += value * b);
             }
         }
         condensed.stiffness = k;

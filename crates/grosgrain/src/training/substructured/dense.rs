@@ -99,6 +99,50 @@ pub(super) fn gram(rows: &[f64], width: usize, out: &mut Vec<f64>) {
     pulp::Arch::new().dispatch(Gram(rows, width, out));
 }
 
+/// Σ_j row_j weights_j for every row of `width` values.
+pub(super) fn combine(rows: &[f64], width: usize, weights: &[[f64; 8]], out: &mut [[f64; 8]]) {
+    struct Combine<'a>(&'a [f64], usize, &'a [[f64; 8]], &'a mut [[f64; 8]]);
+    impl pulp::WithSimd for Combine<'_> {
+        type Output = ();
+        #[inline(always)]
+        fn with_simd<S: pulp::Simd>(self, _: S) {
+            let Self(rows, width, weights, out) = self;
+            for (row, out) in rows.chunks_exact(width).zip(out) {
+                let mut sums = [[0.0; 8]; 4];
+                for (values, weights) in row.chunks(4).zip(weights.chunks(4)) {
+                    for ((value, weight), sum) in values.iter().zip(weights).zip(&mut sums) {
+                        (0..8).for_each(|k| sum[k] = value.mul_add(weight[k], sum[k]));
+                    }
+                }
+                *out = std::array::from_fn(|k| sums[0][k] + sums[1][k] + (sums[2][k] + sums[3][k]));
+            }
+        }
+    }
+    pulp::Arch::new().dispatch(Combine(rows, width, weights, out));
+}
+
+/// Adds `factor` times the product of n × m and m × n matrices to an n × n matrix.
+pub(super) fn add_product(n: usize, (left, right): (&[f64], &[f64]), stride: usize, factor: f64, out: &mut [f64]) {
+    struct Product<'a>(usize, &'a [f64], &'a [f64], usize, f64, &'a mut [f64]);
+    impl pulp::WithSimd for Product<'_> {
+        type Output = ();
+        #[inline(always)]
+        fn with_simd<S: pulp::Simd>(self, _: S) {
+            let Self(n, left, right, stride, factor, out) = self;
+            let inner = left.len() / n;
+            for (row, left) in out.chunks_exact_mut(n).zip(left.chunks_exact(inner)) {
+                for (left, right) in left.iter().zip(right.chunks_exact(stride)) {
+                    let share = factor * left;
+                    row.iter_mut().zip(&right[..n]).for_each(|(o, r)| *o = share.mul_add(*r, *o));
+                }
+            }
+        }
+    }
+    if n > 0 && !left.is_empty() {
+        pulp::Arch::new().dispatch(Product(n, left, right, stride, factor, out));
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -122,6 +166,22 @@ mod tests {
         for (i, j) in (0..n * n).map(|m| (m / n, m % n)) {
             let sum: f64 = (0..n).map(|k| a[n * i + k] * inverse[n * k + j]).sum();
             assert!((sum - f64::from(u8::from(i == j))).abs() < 1e-12);
+        }
+        let (mut product, mut sums) = (vec![1.0; 9], vec![[0.0; 8]; 2]);
+        add_product(3, (&rows[..6], &rows[6..14]), 4, 2.0, &mut product);
+        let weights: Vec<[f64; 8]> = (0..13).map(|j| std::array::from_fn(|k| (j * k) as f64)).collect();
+        combine(&rows[..32], 16, &weights, &mut sums);
+        for i in 0..3 {
+            for j in 0..3 {
+                let sum: f64 = (0..2).map(|m| rows[2 * i + m] * rows[6 + 4 * m + j]).sum();
+                assert!((product[3 * i + j] - 1.0 - 2.0 * sum).abs() < 1e-14);
+            }
+        }
+        for (r, sum) in sums.iter().enumerate() {
+            for (k, sum) in sum.iter().enumerate() {
+                let exact: f64 = (0..13).map(|j| rows[16 * r + j] * (j * k) as f64).sum();
+                assert!((sum - exact).abs() < 1e-11);
+            }
         }
         // B Bᵀ of rank three.
         let b: Vec<[f64; 3]> = (0..n).map(|i| [1.0, i as f64, (i as f64).cos()]).collect();

@@ -50,13 +50,13 @@ pub struct Substructures {
     plan: Option<Arc<FrontalPlan>>,
     one_ring: LocalTrainer,
     cell_pool: Mutex<HashMap<usize, Vec<CellWorkspace>>>,
-    ring_pool: Mutex<HashMap<(RingShape, bool), RingPool>>,
+    ring_pool: Mutex<HashMap<RingShape, RingPool>>,
 }
 
-#[derive(Default)]
 struct RingPool {
-    plan: Option<Arc<FrontalPlan>>,
-    idle: Vec<RingWorkspace>,
+    plan: Arc<FrontalPlan>,
+    /// Those that answer for the centre, and those that answer for all cells.
+    idle: [Vec<RingWorkspace>; 2],
 }
 
 impl Substructures {
@@ -175,7 +175,8 @@ impl Substructures {
         if !unchanged && !self.loads_add_up(model, &caches, ring) {
             return None;
         }
-        Some(Ring::new(size, index, &caches, unchanged))
+        // In a cell with voids neighbours may move nodes, and parts each other: their relative rotation must not be free.
+        Some(Ring::new(size, index, &caches, (unchanged, !self.solids[centre.0].is_full())))
     }
 
     /// Whether the cells' own loads are those of the ring's hull.
@@ -200,14 +201,14 @@ impl Substructures {
         })
     }
 
-    fn ring_plan(&self, shape: &RingShape, whole: bool) -> Option<Arc<FrontalPlan>> {
-        let key = (shape.clone(), whole);
+    fn ring_plan(&self, shape: &RingShape) -> Option<Arc<FrontalPlan>> {
         let mut pools = lock(&self.ring_pool);
-        let pool = pools.entry(key).or_default();
-        if pool.plan.is_none() {
-            pool.plan = Some(shape.plan()?);
+        if let Some(pool) = pools.get(shape) {
+            return Some(pool.plan.clone());
         }
-        pool.plan.clone()
+        let plan = shape.plan()?;
+        pools.insert(shape.clone(), RingPool { plan: plan.clone(), idle: Default::default() });
+        Some(plan)
     }
 
     /// Runs `work` with a workspace for the ring.
@@ -217,19 +218,22 @@ impl Substructures {
         whole: bool,
         work: impl FnOnce(&mut RingWorkspace) -> T,
     ) -> Option<T> {
-        let plan = self.ring_plan(shape, whole)?;
-        let key = (shape.clone(), whole);
-        let idle = lock(&self.ring_pool).get_mut(&key).and_then(|pool| pool.idle.pop());
-        let mut workspace = idle.unwrap_or_else(|| RingWorkspace::new(shape, plan, whole));
+        let pooled = lock(&self.ring_pool).get_mut(shape).and_then(|pool| pool.idle[usize::from(whole)].pop());
+        let mut workspace = match pooled {
+            Some(workspace) => workspace,
+            None => RingWorkspace::new(shape, self.ring_plan(shape)?, whole),
+        };
         let outcome = work(&mut workspace);
-        lock(&self.ring_pool).entry(key).or_default().idle.push(workspace);
+        if let Some(pool) = lock(&self.ring_pool).get_mut(shape) {
+            pool.idle[usize::from(whole)].push(workspace);
+        }
         Some(outcome)
     }
 
     /// Multipliers and rigid motions of the centre, or of all cells.
     fn answers(&self, ring: &Ring<'_>, groups: &Groups, whole: bool) -> Option<Vec<Option<CellAnswer>>> {
         let found = self.with_workspace(&ring.shape, whole, |workspace| workspace.answers(ring, groups))?;
-        found.or_else(|| dual_answers(ring, &self.ring_plan(&ring.shape, whole)?, groups, whole))
+        found.or_else(|| dual_answers(ring, &self.ring_plan(&ring.shape)?, groups, whole))
     }
 
     fn displacements_of(&self, member: &Member<'_>, answer: &CellAnswer) -> Option<Vec<f64>> {
