@@ -11,13 +11,13 @@
 use std::error::Error;
 use std::sync::Arc;
 
-use grosgrain::coarse::{CoarseModel, occupied_cells};
+use grosgrain::coarse::CoarseModel;
 use grosgrain::coarsening::{BaseKind, Objective, ShapeFunctions};
 use grosgrain::dynamics::{relative_error, solve_coarse, solve_fine};
 use grosgrain::fine::{FineModel, gravity};
 use grosgrain::material::{Elasticity, IsotropicMaterial, Material, MaterialTable};
 use grosgrain::mesh::{Axis, Label, Pattern, PlaneAt, Selector, VoxelGrid};
-use grosgrain::partition::Partition;
+use grosgrain::partition::{CoarseMesh, Partition};
 use grosgrain::progress::silent;
 use grosgrain::solver::SolverChoice;
 use grosgrain::training::{
@@ -89,6 +89,10 @@ impl Case {
         Ok(Self { model, partition, fixed, loads, fine })
     }
 
+    fn mesh(&self) -> CoarseMesh {
+        CoarseMesh::new(&self.model.grid().void, &self.partition)
+    }
+
     /// The interface forces of a start.
     pub fn forces(&self, direction: [f64; 3], start: Start) -> Result<Arc<InterfaceForces>, Box<dyn Error>> {
         // Every tenth cell in the order of a multiplicative hash.
@@ -107,25 +111,27 @@ impl Case {
     /// Error of the static solution with the given training data \[%\].
     pub fn error(&self, training: &Training) -> Result<f64, Box<dyn Error>> {
         let fit = (BaseKind::Harmonic, Objective::ClosedForm);
-        let functions = ShapeFunctions::fit(&self.model, &self.partition, training, fit, &silent)?;
-        let coarse = CoarseModel::galerkin(&self.model, &self.partition, functions);
-        let solution = solve_coarse(&self.model, &coarse, &self.fixed, &self.loads, &silent)?;
+        let mesh = self.mesh();
+        let functions = ShapeFunctions::fit(&self.model, &mesh, training, fit, &silent)?;
+        let coarse = CoarseModel::galerkin(&self.model, mesh, functions);
+        let solution = solve_coarse(&coarse, &self.fixed, &self.loads, &silent)?;
         Ok(100.0 * relative_error(&solution.displacement, &self.fine))
     }
 
     /// Error with the data of substructures.
     pub fn substructured(&self, forces: &Arc<InterfaceForces>, space: InterfaceSpace) -> Result<f64, Box<dyn Error>> {
         let substructures = Substructures::new(&self.model, forces.clone(), space);
-        let cells = occupied_cells(&self.model, &self.partition);
-        self.error(&substructures.train(&self.model, &cells, &silent)?)
+        let mesh = self.mesh();
+        self.error(&substructures.train(&self.model, &mesh, mesh.elements(), &silent)?)
     }
 
     /// Errors with global and with one-ring data.
     pub fn references(&self) -> Result<[f64; 2], Box<dyn Error>> {
-        let cells = occupied_cells(&self.model, &self.partition);
+        let mesh = self.mesh();
         let harmonic = HarmonicDisplacements::solve(&self.model, SolverChoice::Direct, &silent)?;
-        let global = Training::from_harmonic(&self.model, &self.partition, &cells, &harmonic);
-        let ring = LocalTrainer::new(&self.partition, RingKind::OneRing).train(&self.model, &cells, &silent)?;
+        let global = Training::from_harmonic(&self.model, &mesh, mesh.elements(), &harmonic);
+        let ring = LocalTrainer::new(&self.partition, RingKind::OneRing);
+        let ring = ring.train(&self.model, &mesh, mesh.elements(), &silent)?;
         Ok([self.error(&global)?, self.error(&ring)?])
     }
 }
