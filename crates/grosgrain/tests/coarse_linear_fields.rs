@@ -16,7 +16,7 @@ use grosgrain::training::{HarmonicDisplacements, TrainingKind};
 const SPACING: [f64; 3] = [1.0, 0.5, 1.5];
 
 fn options() -> Vec<BuildOptions> {
-    let kinds = [TrainingKind::Global, TrainingKind::OneRing, TrainingKind::SingleCell];
+    let kinds = [TrainingKind::Global, TrainingKind::OneRing, TrainingKind::Substructured, TrainingKind::SingleCell];
     let bases = [BaseKind::Harmonic, BaseKind::Trilinear, BaseKind::Material];
     let trained = kinds.into_iter().flat_map(|kind| bases.map(|base| (Method::Trained(kind), base)));
     let all = [(Method::Trilinear, BaseKind::Harmonic), (Method::Average, BaseKind::Harmonic)].into_iter();

@@ -90,6 +90,7 @@ fn all_options() -> Vec<BuildOptions> {
         (Method::Trained(TrainingKind::Global), BaseKind::Harmonic),
         (Method::Trained(TrainingKind::OneRing), BaseKind::Harmonic),
         (Method::Trained(TrainingKind::OneRing), BaseKind::Material),
+        (Method::Trained(TrainingKind::Substructured), BaseKind::Harmonic),
         (Method::Trained(TrainingKind::SingleCell), BaseKind::Trilinear),
     ];
     methods.map(|(method, base)| BuildOptions { method, base, objective: Objective::ClosedForm }).to_vec()

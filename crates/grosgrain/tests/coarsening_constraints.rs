@@ -12,7 +12,8 @@ use grosgrain::training::{Training, TrainingKind, train};
 use proptest::prelude::*;
 
 const BASES: [BaseKind; 3] = [BaseKind::Harmonic, BaseKind::Trilinear, BaseKind::Material];
-const KINDS: [TrainingKind; 3] = [TrainingKind::Global, TrainingKind::OneRing, TrainingKind::SingleCell];
+const KINDS: [TrainingKind; 4] =
+    [TrainingKind::Global, TrainingKind::OneRing, TrainingKind::Substructured, TrainingKind::SingleCell];
 
 struct Fit {
     model: FineModel,

@@ -51,7 +51,7 @@ fn alike_with_1_2_and_5_threads(what: &str, compute: impl Fn() -> Vec<u64> + Syn
 #[test]
 fn training_functions_stiffness_and_coarse_solutions_are_alike_for_any_number_of_threads() {
     let model = random_model([12, 6, 6], [1.0, 0.5, 2.0], 1e4, 0.4, 31);
-    let kinds = [TrainingKind::Global, TrainingKind::OneRing, TrainingKind::SingleCell];
+    let kinds = [TrainingKind::Global, TrainingKind::OneRing, TrainingKind::Substructured, TrainingKind::SingleCell];
     for kind in kinds {
         for base in [BaseKind::Harmonic, BaseKind::Material] {
             let what = format!("{kind:?}, {base:?}");

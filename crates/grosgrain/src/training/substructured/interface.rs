@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::forces::{InterfaceForces, PairForces, active_cells, quarter_areas};
 use super::pairs::pairs_at;
 use super::solids::{Solids, local_node};
-use super::space::{InterfaceSpace, Rows, harmonic_rows, polynomial_rows};
+use super::space::{InterfaceSpace, Means, Rows, harmonic_rows, polynomial_rows};
 use crate::fine::HARMONIC_FIELDS;
 use crate::mesh::Node;
 use crate::partition::CoarseCell;
@@ -23,6 +23,8 @@ pub(super) struct Interface {
     pub nodes: Vec<Node>,
     /// Orthonormal rows over three values per node.
     pub rows: Rows,
+    /// The first of them, those of the chosen space. The others, mean rotations, are tied in rings where the motion of neighbours against each other matters.
+    pub chosen: usize,
     /// Per row six multiples of it that make up the initial forces on the first cell, if all of them act here.
     pub force: Option<Vec<f64>>,
 }
@@ -31,6 +33,11 @@ impl Interface {
     /// Whether two cells mean the same interface.
     pub(super) fn is(&self, other: &Self) -> bool {
         self.cells == other.cells && self.nodes[0] == other.nodes[0] && !self.loads_only && !other.loads_only
+    }
+
+    /// Number of rows that are tied, with or without mean rotations.
+    pub(super) fn tied(&self, turns: bool) -> usize {
+        if turns { self.rows.count() } else { self.chosen }
     }
 
     /// +1 for the first cell, −1 for the second.
@@ -60,6 +67,7 @@ pub(super) fn interfaces(
             loads_only: false,
             nodes: vec![node],
             rows: Rows::identity(),
+            chosen: 3,
             force: None,
         };
         return own.into_iter().map(tie).collect();
@@ -73,19 +81,29 @@ pub(super) fn interfaces(
         }
     }
     let none = PairForces::default();
+    let mut partial = neighbours(forces, cell);
+    partial.push(cell);
+    partial.retain(|c| !solids[c.0].is_full() && !solids[c.0].is_empty());
     let mut found = Vec::with_capacity(shared.len());
     for ([a, b, part_a, part_b], nodes) in shared {
         let cells = vec![CoarseCell(a), CoarseCell(b)];
         let known = forces.pairs.get(&(cells[0], cells[1])).unwrap_or(&none);
         let initial = known.on(&nodes);
         let (weights, area) = face_weights(forces, &nodes, &cells);
-        let mut rows = polynomial_rows(forces, means, &nodes, &weights);
+        let mut rows = Rows::new(3 * nodes.len());
+        polynomial_rows(&mut rows, forces, means, (&nodes, &weights));
         if means.harmonic {
             let norm = area * weights.iter().map(|w| w * w).sum::<f64>().sqrt();
             harmonic_rows(&mut rows, &initial, norm);
         }
+        let chosen = rows.count();
+        if partial.iter().any(|c| cells.iter().all(|own| own == c || neighbours(forces, *c).contains(own))) {
+            let turns =
+                Means { translations: true, node_means: false, rotations: true, linear: false, harmonic: false };
+            polynomial_rows(&mut rows, forces, turns, (&nodes, &weights));
+        }
         let force = (means.harmonic && known.nodes == nodes).then(|| rows.times(&initial));
-        found.push(Interface { cells, loads_only: false, parts: vec![part_a, part_b], nodes, rows, force });
+        found.push(Interface { cells, loads_only: false, parts: vec![part_a, part_b], nodes, chosen, rows, force });
     }
     found.extend(outer_forces(forces, &found, cell, solids));
     found
@@ -110,6 +128,7 @@ fn outer_forces(forces: &InterfaceForces, found: &[Interface], cell: CoarseCell,
             loads_only: true,
             parts: Vec::new(),
             nodes: known.nodes.clone(),
+            chosen: 0,
             rows,
             force,
         })

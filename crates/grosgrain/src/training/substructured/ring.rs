@@ -107,15 +107,18 @@ impl Member<'_> {
     /// Places of the inner rows in the cell's element, `block` per interface.
     fn places(&self, block: usize) -> Vec<usize> {
         let of = |(at, number): (usize, &usize)| {
-            (0..self.cache.interfaces[*number].rows.count()).map(move |r| block * at + r)
+            (0..self.cache.interfaces[*number].tied(self.turns)).map(move |r| block * at + r)
         };
         self.inner.iter().enumerate().flat_map(of).collect()
     }
 
     /// The inner rows among all of the cell's.
     fn rows(&self) -> Vec<usize> {
-        let offsets = &self.cache.offsets;
-        self.inner.iter().flat_map(|number| offsets[*number]..offsets[number + 1]).collect()
+        let of = |number: &usize| {
+            let first = self.cache.offsets[*number];
+            first..first + self.cache.interfaces[*number].tied(self.turns)
+        };
+        self.inner.iter().flat_map(of).collect()
     }
 
     /// Multipliers of the interfaces to cells outside of the ring: the initial forces, −S t on the first cell of a pair.

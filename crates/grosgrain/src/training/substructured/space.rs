@@ -92,8 +92,13 @@ fn norm(vector: &[f64]) -> f64 {
     vector.iter().map(|v| v * v).sum::<f64>().sqrt()
 }
 
-/// Translations, rotations and first moments about the middle of the nodes, weighted by area.
-pub(super) fn polynomial_rows(forces: &InterfaceForces, means: super::Means, nodes: &[Node], weights: &[f64]) -> Rows {
+/// Adds translations, rotations and first moments about the middle of the nodes, weighted by area.
+pub(super) fn polynomial_rows(
+    rows: &mut Rows,
+    forces: &InterfaceForces,
+    means: super::Means,
+    (nodes, weights): (&[Node], &[f64]),
+) {
     let position = |n: &Node| -> [f64; 3] {
         let at = forces.partition.fine().node_position(*n);
         std::array::from_fn(|a| at[a] as f64 * forces.spacing[a])
@@ -102,7 +107,6 @@ pub(super) fn polynomial_rows(forces: &InterfaceForces, means: super::Means, nod
     let total: f64 = weights.iter().sum();
     let middle: [f64; 3] =
         std::array::from_fn(|a| points.iter().zip(weights).map(|(x, w)| w * x[a]).sum::<f64>() / total);
-    let mut rows = Rows::new(3 * nodes.len());
     let mut add = |weighted: bool, value: &dyn Fn([f64; 3]) -> [f64; 3]| {
         let at = |(x, w): (&[f64; 3], &f64)| {
             let w = if weighted { *w } else { 1.0 };
@@ -128,7 +132,6 @@ pub(super) fn polynomial_rows(forces: &InterfaceForces, means: super::Means, nod
     if means.linear {
         (0..9).for_each(|n| add(true, &|r| unit(n / 3, r[n % 3])));
     }
-    rows
 }
 
 /// Adds the six columns of `forces` that are independent, the one with the largest remainder first; `traction` is the norm of a uniform unit traction.

@@ -22,6 +22,8 @@ pub(super) struct Member<'a> {
     pub cache: &'a CellCache,
     /// Which of the cell's interfaces tie it to other cells of the ring, in the order of `RingShape::elements`.
     pub inner: Vec<usize>,
+    /// Mean rotations are tied as well.
+    pub turns: bool,
 }
 
 /// What the symbolic elimination of a ring depends on.
@@ -45,7 +47,7 @@ impl<'a> Ring<'a> {
         cells: [usize; 3],
         centre: usize,
         caches: &[Option<(CoarseCell, &'a CellCache)>],
-        unchanged: bool,
+        (unchanged, turns): (bool, bool),
     ) -> Self {
         let place = |cell: CoarseCell| caches.iter().position(|c| c.is_some_and(|(own, _)| own == cell));
         let mut shape = RingShape { cells, centre, block: 1, elements: vec![Vec::new(); caches.len()], interfaces: 0 };
@@ -59,7 +61,7 @@ impl<'a> Ring<'a> {
             for (number, interface) in cache.interfaces.iter().enumerate() {
                 let inside = interface.cells.iter().filter_map(|c| place(*c));
                 let (count, first) = inside.fold((0, usize::MAX), |(n, least), p| (n + 1, least.min(p)));
-                if count < 2 || interface.loads_only || interface.rows.count() == 0 {
+                if count < 2 || interface.loads_only || interface.tied(turns) == 0 {
                     continue;
                 }
                 let known = members.get(first).and_then(Option::as_ref).and_then(|other| {
@@ -68,10 +70,10 @@ impl<'a> Ring<'a> {
                 });
                 shape.elements[index].push(known.unwrap_or(shape.interfaces as u32));
                 shape.interfaces += usize::from(known.is_none());
-                shape.block = shape.block.max(interface.rows.count());
+                shape.block = shape.block.max(interface.tied(turns));
                 inner.push(number);
             }
-            members.push(Some(Member { cell, cache, inner }));
+            members.push(Some(Member { cell, cache, inner, turns }));
         }
         Self { members, shape, unchanged }
     }
