@@ -1,7 +1,7 @@
 //! Small dense matrices of substructures, row-major.
 
-/// A pivot below this share of its diagonal: rows that a cell cannot tell apart.
-const DEPENDENT: f64 = 1e-8;
+/// A pivot below this share of its diagonal: rows that a cell hardly tells apart; as many digits of the ring would be lost.
+const DEPENDENT: f64 = 1e-6;
 /// A pivot below this share of its diagonal is a motion without stiffness.
 const VANISHING: f64 = 1e-11;
 
