@@ -16,7 +16,7 @@ pub use conjugate_gradients::{
 };
 pub use dense_cholesky::{DenseCholesky, DenseCholeskyError};
 pub use multifrontal::{
-    Eliminated, FrontalFactors, FrontalPlan, FrontalPlanError, FrontalSolver, box_tree, box_tree_around,
+    DenseFront, Eliminated, FrontalFactors, FrontalPlan, FrontalPlanError, FrontalSolver, box_tree, box_tree_around,
 };
 pub use ordering::nested_dissection;
 pub use reduction::{dot, norm, step, sum_of_blocks};

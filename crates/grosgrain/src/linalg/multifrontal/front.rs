@@ -10,7 +10,7 @@ use super::plan::{STRIP, TILE};
 const DEPTH: usize = 128;
 /// A pivot below this share of the unknown's assembled diagonal is a motion without stiffness. Rounding leaves about 1e-14, the softest part that
 /// is told apart is 1e-12 of what it hangs on.
-const VANISHING: f64 = 1e-12;
+pub(super) const VANISHING: f64 = 1e-12;
 
 /// A front, ready to be eliminated.
 pub(super) struct Elimination<'a> {

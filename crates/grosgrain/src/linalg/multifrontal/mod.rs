@@ -5,11 +5,13 @@
 //! the substitution backwards (Duff & Reid 1983, `duff1983multifrontal`). A pivot that vanishes (a rigid motion of a floating part, a node
 //! of a void) is skipped: its unknown stays free, which gives an exact generalised inverse where loads are in equilibrium.
 
+mod dense_front;
 mod front;
 mod plan;
 mod solver;
 mod tree;
 
+pub use dense_front::DenseFront;
 pub use plan::{FrontalPlan, FrontalPlanError};
 pub use solver::{Eliminated, FrontalFactors, FrontalSolver};
 pub use tree::{box_tree, box_tree_around};

@@ -129,3 +129,45 @@ fn bad_groups_and_elements_are_refused() {
     let groups = box_tree([2, 2, 1]);
     assert!(matches!(FrontalPlan::new(4, 3, &list, &groups), Err(FrontalPlanError::Element { node: 4, .. })));
 }
+
+#[test]
+fn a_dense_front_leaves_the_schur_complement_of_matrix_and_loads() {
+    let mut front = DenseFront::new();
+    for (pivots, boundary, rank) in [(5, 4, 30), (27, 33, 90), (11, 0, 40), (9, 7, 5), (0, 3, 8)] {
+        let (n, extra) = (pivots + boundary, 3);
+        let mut seed = 3 + pivots as u64;
+        let k = element(n, 1, rank, &mut seed);
+        let entry = |i: usize, j: usize| k[n * i + j] + if rank > n && i == j { 0.1 } else { 0.0 };
+        // Loads in the range of the matrix.
+        let load = |e: usize, i: usize| (0..n).map(|j| entry(i, j) * ((e + 2) as f64 * j as f64).cos()).sum::<f64>();
+        front.reset(pivots, boundary, extra);
+        for c in 0..pivots {
+            let (own, below, loads) = front.pivot_column(c);
+            own.iter_mut().enumerate().for_each(|(i, x)| *x = entry(c + i, c));
+            below.iter_mut().enumerate().for_each(|(i, x)| *x = entry(pivots + i, c));
+            loads.iter_mut().enumerate().for_each(|(e, x)| *x = load(e, c));
+        }
+        for c in 0..boundary {
+            let (below, loads) = front.boundary_column(c);
+            below.iter_mut().enumerate().for_each(|(i, x)| *x = entry(pivots + c + i, pivots + c));
+            loads.iter_mut().enumerate().for_each(|(e, x)| *x = load(e, pivots + c));
+        }
+        let skipped = front.eliminate(1e-10);
+        assert_eq!(skipped, pivots.saturating_sub(rank));
+        // On vectors v = K⁺ f the eliminated system holds: (C − B A⁺ Bᵀ) v_B = g − B A⁺ f.
+        let mut complement = vec![vec![0.0; boundary]; boundary];
+        let mut loads = vec![vec![0.0; boundary]; extra];
+        for c in 0..boundary {
+            let (below, extra_rows) = front.boundary_column(c);
+            for (i, x) in below.iter().enumerate() {
+                complement[c + i][c] = *x;
+                complement[c][c + i] = *x;
+            }
+            extra_rows.iter().enumerate().for_each(|(e, x)| loads[e][c] = *x);
+        }
+        for (e, c) in (0..extra * boundary).map(|m| (m / boundary.max(1), m % boundary.max(1))) {
+            let sum: f64 = (0..boundary).map(|j| complement[c][j] * ((e + 2) as f64 * (pivots + j) as f64).cos()).sum();
+            assert!((sum - loads[e][c]).abs() < 1e-9, "{pivots} {boundary}: {sum} {}", loads[e][c]);
+        }
+    }
+}

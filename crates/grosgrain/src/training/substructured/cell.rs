@@ -2,13 +2,13 @@
 
 use std::sync::Arc;
 
-use super::dense::{add_product, combine, gram, invert, solve_semidefinite};
+use super::dense::{DEPENDENT, VANISHING, add_product, combine, gram, invert, solve_semidefinite};
 use super::forces::{CellLoads, NODE_COLUMNS, quarter_areas};
 use super::interface::Interface;
 use super::solids::{Solids, local_node};
 use crate::assembly::{CellStiffness, Window};
 use crate::fine::{FineModel, HARMONIC_FIELDS};
-use crate::linalg::{FrontalFactors, FrontalPlan, FrontalSolver, box_tree};
+use crate::linalg::{DenseFront, FrontalFactors, FrontalPlan, FrontalSolver, box_tree};
 use crate::mesh::{Cell, Lattice, Node};
 use crate::partition::{CoarseCell, Partition};
 use crate::solver::six_components;
@@ -364,6 +364,59 @@ impl CellCache {
         condensed.stiffness = k;
         let of = |(m, motion): (usize, &usize)| (*motion, right[columns * m..][..columns].to_vec());
         condensed.free = free.iter().enumerate().map(of).collect();
+        true
+    }
+
+    /// K̂ and ĝ as [`CellCache::stiffen`], where neither multipliers nor motions of the cell will be asked for; false where rows are dependent.
+    ///
+    /// The elimination of λ from F' λ − G α + q = S H⁺ f + ρ G e, Gᵀ λ = e leaves a positive semidefinite system in α and q, that of α leaves K̂ q.
+    pub(super) fn condense_rows(
+        &self,
+        condensed: &mut Condensed,
+        parts: &[(usize, bool)],
+        [forces, motions]: &mut [DenseFront; 2],
+    ) -> bool {
+        let (all, n, width) = (self.rows(), condensed.rows.len(), RIGID * self.parts);
+        let rows = &condensed.rows;
+        let free: Vec<usize> = (0..width).filter(|m| !parts[m / RIGID].1).collect();
+        let m = free.len();
+        forces.reset(n, m + n, F);
+        for (c, &row) in rows.iter().enumerate() {
+            let flexibility = &self.flexibility[all * row..][..all];
+            let (own, below, load) = forces.pivot_column(c);
+            own.iter_mut().zip(&rows[c..]).for_each(|(x, r)| *x = flexibility[*r]);
+            below.iter_mut().zip(&free).for_each(|(x, motion)| *x = -self.rigid[width * row + motion]);
+            below[m + c] = 1.0;
+            load.copy_from_slice(&condensed.answer[F * row..][..F]);
+        }
+        if forces.eliminate(DEPENDENT) > 0 {
+            return false;
+        }
+        motions.reset(m, n, F);
+        for (c, motion) in free.iter().enumerate() {
+            let (from, loads) = forces.boundary_column(c);
+            let (own, below, load) = motions.pivot_column(c);
+            own.iter_mut().chain(below).zip(from).for_each(|(x, z)| *x = -*z);
+            let resultant = &condensed.resultant[F * motion..][..F];
+            load.iter_mut().zip(resultant.iter().zip(loads)).for_each(|(x, (e, l))| *x = e - *l);
+        }
+        for c in 0..n {
+            let (from, loads) = forces.boundary_column(m + c);
+            let (below, load) = motions.boundary_column(c);
+            below.iter_mut().zip(from).for_each(|(x, z)| *x = -*z);
+            load.iter_mut().zip(loads).for_each(|(x, l)| *x = -*l);
+        }
+        motions.eliminate(VANISHING);
+        condensed.stiffness.resize(n * n, 0.0);
+        condensed.load.resize(n * F, 0.0);
+        for c in 0..n {
+            let (below, load) = motions.boundary_column(c);
+            condensed.load[F * c..][..F].copy_from_slice(load);
+            for (r, value) in below.iter().enumerate() {
+                condensed.stiffness[n * (c + r) + c] = *value;
+                condensed.stiffness[n * c + c + r] = *value;
+            }
+        }
         true
     }
 

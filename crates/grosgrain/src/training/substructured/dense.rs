@@ -1,9 +1,9 @@
 //! Small dense matrices of substructures, row-major.
 
 /// A pivot below this share of its diagonal: rows that a cell hardly tells apart; as many digits of the ring would be lost.
-const DEPENDENT: f64 = 1e-6;
+pub(super) const DEPENDENT: f64 = 1e-6;
 /// A pivot below this share of its diagonal is a motion without stiffness.
-const VANISHING: f64 = 1e-11;
+pub(super) const VANISHING: f64 = 1e-11;
 
 /// Inverts a positive definite n×n matrix in place by Gauss–Jordan elimination; false where a pivot is too small to keep digits.
 pub(super) fn invert(n: usize, a: &mut [f64], row: &mut Vec<f64>) -> bool {

@@ -6,7 +6,7 @@ use super::cell::{CellAnswer, CellCache, Condensed, RIGID};
 use super::dense::solve_semidefinite;
 use super::topology::{Member, Ring, RingShape};
 use crate::fine::HARMONIC_FIELDS;
-use crate::linalg::{FrontalPlan, FrontalSolver};
+use crate::linalg::{DenseFront, FrontalPlan, FrontalSolver};
 
 const F: usize = HARMONIC_FIELDS;
 
@@ -22,6 +22,7 @@ pub(super) struct RingWorkspace {
     elements: Vec<Vec<f64>>,
     loads: Vec<f64>,
     values: Vec<[f64; 8]>,
+    fronts: [DenseFront; 2],
 }
 
 impl RingWorkspace {
@@ -33,6 +34,7 @@ impl RingWorkspace {
             elements: vec![Vec::new(); shape.elements.len()],
             loads: vec![0.0; plan.order() * F],
             values: vec![[0.0; 8]; plan.order()],
+            fronts: Default::default(),
             plan,
         }
     }
@@ -44,10 +46,13 @@ impl RingWorkspace {
     /// equilibrium it changes nothing but its rigid motion.
     pub(super) fn answers(&mut self, ring: &Ring<'_>, groups: &Groups) -> Option<Vec<Option<CellAnswer>>> {
         let mut condensed = ring.condense();
-        for ((member, condensed), groups) in ring.members.iter().zip(&mut condensed).zip(groups) {
-            if let (Some(member), Some(condensed)) = (member, condensed)
-                && !member.cache.stiffen(condensed, groups)
-            {
+        for (index, ((member, condensed), groups)) in ring.members.iter().zip(&mut condensed).zip(groups).enumerate() {
+            let (Some(member), Some(condensed)) = (member, condensed) else { continue };
+            let independent = match self.whole || index == ring.shape.centre {
+                true => member.cache.stiffen(condensed, groups),
+                false => member.cache.condense_rows(condensed, groups, &mut self.fronts),
+            };
+            if !independent {
                 return None;
             }
         }
