@@ -64,6 +64,11 @@ fn difference(a: &CoarseModel, b: &CoarseModel) -> f64 {
     worst
 }
 
+/// The same for models whose meshes may differ: infinite then.
+fn difference_of_bodies(a: &CoarseModel, b: &CoarseModel) -> f64 {
+    if a.mesh() == b.mesh() { difference(a, b) } else { f64::INFINITY }
+}
+
 fn check(
     kind: TrainingKind,
     coarse: [usize; 3],
@@ -142,6 +147,21 @@ fn cells_beyond_the_reach_keep_their_functions() {
 }
 
 #[test]
+fn substructures_return_to_the_global_data_when_every_edit_is_undone() {
+    let mut model = live(body([3, 3, 2], 2, 0.0, 11).unwrap(), 2, &options(TrainingKind::Substructured));
+    let start = model.coarse().clone();
+    for (kind, at) in [(0, [2.0, 1.0, 1.0]), (2, [5.0, 4.0, 2.0]), (1, [1.0, 3.0, 3.0])] {
+        model.apply(&edit(kind, at, 1.3)).unwrap();
+        assert!(difference_of_bodies(model.coarse(), &start) > 1e-3, "the edit matters");
+    }
+    while model.undo(&silent).unwrap().is_some() {}
+    assert_eq!(difference(model.coarse(), &start), 0.0);
+    let global = live(body([3, 3, 2], 2, 0.0, 11).unwrap(), 2, &options(TrainingKind::Global));
+    let error = difference(&start, global.coarse());
+    assert!(error < 1e-7, "{error}");
+}
+
+#[test]
 fn an_edit_that_changes_nothing_changes_not_a_bit() {
     let mut model = live(body([3, 2, 2], 2, 0.1, 3).unwrap(), 2, &options(TrainingKind::Global));
     let before = model.coarse().clone();
@@ -153,7 +173,7 @@ fn an_edit_that_changes_nothing_changes_not_a_bit() {
 
 #[test]
 fn a_failed_step_leaves_everything_as_it_was() {
-    let all_kinds = [TrainingKind::OneRing, TrainingKind::SingleCell];
+    let all_kinds = [TrainingKind::OneRing, TrainingKind::SingleCell, TrainingKind::Substructured];
     for (kind, stage) in all_kinds.into_iter().flat_map(|kind| [(kind, "training"), (kind, "fitting")]) {
         let mut model = live(body([3, 2, 2], 2, 0.1, 5).unwrap(), 2, &options(kind));
         model.state.displacement.iter_mut().enumerate().for_each(|(i, u)| *u = i as f64);
@@ -165,6 +185,9 @@ fn a_failed_step_leaves_everything_as_it_was() {
         assert_eq!(model.fine().grid(), &grid);
         assert_eq!((difference(model.coarse(), &before), &model.state, model.undo_depth()), (0.0, &state, 0));
         model.apply(&edit).unwrap();
+        let mut undisturbed = live(body([3, 2, 2], 2, 0.1, 5).unwrap(), 2, &options(kind));
+        undisturbed.apply(&edit).unwrap();
+        assert_eq!(difference(model.coarse(), undisturbed.coarse()), 0.0, "{kind:?}: the failure left a trace");
         let after = (model.fine().grid().clone(), model.coarse().clone(), model.state.clone());
         assert!(model.undo(&stop).is_err());
         assert_eq!(model.fine().grid(), &after.0);

@@ -38,5 +38,5 @@ fn compare_without_methods_runs_all_of_them() {
     grosgrain(folder.path(), &["compare", "scene.toml", "--json", "table.json"]).done();
     let table = json(&folder.path().join("table.json"));
     let methods: Vec<&str> = table.as_array().unwrap().iter().filter_map(|row| row["method"].as_str()).collect();
-    assert_eq!(methods, ["fine", "trilinear", "average", "global", "one-ring", "single-cell"]);
+    assert_eq!(methods, ["fine", "trilinear", "average", "global", "one-ring", "single-cell", "substructured"]);
 }

@@ -16,6 +16,9 @@ use crate::partition::{CellBox, CellPart, CoarseCell, CoarseMesh, Partition, Per
 use crate::progress::Progress;
 use crate::solver::{AnalysedLattice, DirectSolver, SolverError, TOLERANCE, free_support};
 
+/// Training matrices of the parts of one coarse cell.
+type PartMatrices = Vec<Box<[f64]>>;
+
 /// The domain of a local problem.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RingKind {
@@ -81,7 +84,7 @@ impl LocalTrainer {
         &self,
         elements: &[CellPart],
         progress: Progress<'_>,
-        matrices: &(dyn Fn(&[CellPart]) -> Result<Vec<Box<[f64]>>, SolverError> + Sync),
+        matrices: &(dyn Fn(&[CellPart]) -> Result<PartMatrices, SolverError> + Sync),
     ) -> Result<Training, TrainingError> {
         // Cells after the first failure are skipped, so that the same one is reported whatever the threads do.
         let (done, failed) = (AtomicUsize::new(0), AtomicUsize::new(usize::MAX));

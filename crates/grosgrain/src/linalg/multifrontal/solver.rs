@@ -140,6 +140,7 @@ impl FrontalSolver {
             let rows = &plan.element_rows[e as usize];
             match plan.block {
                 3 => add_element::<3>(&mut self.front, stride, rows, factor, matrix),
+                9 => add_element::<9>(&mut self.front, stride, rows, factor, matrix),
                 block => add_element_of(&mut self.front, (stride, block), rows, factor, matrix),
             }
         }
