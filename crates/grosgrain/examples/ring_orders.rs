@@ -34,7 +34,7 @@ struct Ring {
 impl Ring {
     fn counts(&self) -> Result<[f64; 5], FrontalPlanError> {
         let d = self.degree;
-        let inner = move |x: usize| x % d != 0;
+        let inner = move |x: usize| !x.is_multiple_of(d);
         let one = [1; 3];
         Ok([
             self.operations(one, &|_| false, &[box_tree([3 * d + 1; 3])])?,
@@ -106,8 +106,8 @@ impl Ring {
     }
 
     fn split(&self, low: At, high: At, groups: &mut Vec<Vec<u32>>) {
-        let planes =
-            (0..3).flat_map(|a| (low[a] + 1..high[a] - 1).filter(|x| x % self.degree == 0).map(move |x| (a, x)));
+        let planes = (0..3)
+            .flat_map(|a| (low[a] + 1..high[a] - 1).filter(|x| x.is_multiple_of(self.degree)).map(move |x| (a, x)));
         let balance = |&(a, x): &(usize, usize)| (high[a] - low[a], (x - low[a]).min(high[a] - 1 - x));
         let Some((axis, plane)) = planes.max_by_key(balance) else { return groups.extend(self.dissect(low, high)) };
         let with = |mut at: At, x: usize| {

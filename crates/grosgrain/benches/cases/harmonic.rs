@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use grosgrain::assembly::{CellStiffness, Constraints, LatticePattern, Window, active_nodes};
 use grosgrain::fine::{FineModel, HARMONIC_FIELDS, constant_stress_loads};
-use grosgrain::linalg::{Cholesky, CholeskyError};
+use grosgrain::linalg::{Cholesky, CholeskyError, FrontalPlan, box_tree, box_tree_around};
 use grosgrain::mesh::{Cell, Lattice};
 use grosgrain::partition::{CellBox, CellPart, CoarseMesh, Partition};
 use grosgrain::progress::silent;
@@ -20,6 +20,7 @@ pub struct HarmonicCase {
     mesh: CoarseMesh,
     trainer: LocalTrainer,
     domain: CellBox,
+    trainer_degree: usize,
     analysed: Arc<AnalysedLattice>,
     constraints: Constraints,
     values: Vec<f64>,
@@ -45,7 +46,19 @@ impl HarmonicCase {
         let loads = loads_in_elimination_order(&model, &analysed);
         let values = vec![0.0; analysed.pattern().pattern().entry_count()];
         let block = loads.clone();
-        let mut case = Self { model, mesh, trainer, domain, analysed, constraints, values, cholesky, loads, block };
+        let mut case = Self {
+            model,
+            mesh,
+            trainer,
+            domain,
+            trainer_degree: degree,
+            analysed,
+            constraints,
+            values,
+            cholesky,
+            loads,
+            block,
+        };
         case.assemble();
         case.factor()?;
         case.solve();
@@ -92,6 +105,19 @@ impl HarmonicCase {
 
     pub fn unknowns(&self) -> usize {
         self.analysed.pattern().order()
+    }
+
+    /// Operations of the elimination from outside in that training does, its six loads included.
+    pub fn elimination_flops(&self) -> Outcome<f64> {
+        let lattice = Lattice::new(self.domain.cells);
+        let degree = self.trainer_degree;
+        let corners = |c: usize| lattice.corners(Cell(c)).map(|n| n.0 as u32).to_vec();
+        let elements: Vec<Vec<u32>> = (0..lattice.cell_count()).map(corners).collect();
+        let groups = match self.domain.cells == [degree; 3] {
+            true => box_tree(lattice.nodes()),
+            false => box_tree_around(lattice.nodes(), [degree; 3], [2 * degree + 1; 3]),
+        };
+        Ok(FrontalPlan::new(lattice.node_count(), 3, &elements, &groups)?.operations(HARMONIC_FIELDS))
     }
 
     pub fn factor_flops(&self) -> f64 {

@@ -21,6 +21,7 @@ mod measure;
 mod table;
 mod threads;
 mod training;
+mod updates;
 
 use std::io::Write;
 use std::path::Path;
@@ -81,5 +82,7 @@ fn page(effort: &Effort) -> Outcome<String> {
     let coarse = coarse::section(&machine, effort)?;
     stage("threads");
     let threads = threads::section(effort)?;
-    Ok([INTRODUCTION.to_owned(), machine.section(), fitting, training, lattice, coarse, threads].join("\n"))
+    stage("updates");
+    let updates = updates::section(effort)?;
+    Ok([INTRODUCTION.to_owned(), machine.section(), fitting, training, updates, lattice, coarse, threads].join("\n"))
 }
