@@ -51,6 +51,7 @@ impl Models {
         progress.say(&format!("building the coarse model: {method}"));
         let options = LiveOptions {
             training: RunTimeTraining::Fixed(kind),
+            data_tolerance: coarsening.data_tolerance,
             base: coarsening.base,
             split: coarsening.split,
             ..LiveOptions::default()

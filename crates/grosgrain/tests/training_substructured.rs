@@ -109,13 +109,12 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 24, failure_persistence: None, ..ProptestConfig::default() })]
     #[test]
     fn without_a_change_the_data_are_the_global_ones_with_voids(
-        labels in prop::collection::vec(0u8..30, 6 * 6 * 4), seed in 0usize..100
+        labels in prop::collection::vec(0u8..9, 6 * 6 * 4), seed in 0usize..100
     ) {
         let mut labels = labels;
         labels.iter_mut().zip(phases(144, seed)).filter(|(l, _)| **l > 0).for_each(|(l, p)| *l = p);
         prop_assume!(one_part(&labels, [6, 6, 4]));
-        // Pivots down to 1e-6 of their diagonal, in cells and in the ring, cost up to ten of sixteen digits.
-        compare_with_global(&body([6, 6, 4], &labels, &[1e5, 5e6]), 2, 1e-6);
+        compare_with_global(&body([6, 6, 4], &labels, &[1e5, 5e6]), 2, 1e-7);
     }
 
     #[test]

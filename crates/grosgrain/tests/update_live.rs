@@ -162,6 +162,26 @@ fn substructures_return_to_the_global_data_when_every_edit_is_undone() {
 }
 
 #[test]
+fn rings_beyond_the_tolerance_are_trained_exactly() {
+    let train = |kind: TrainingKind, data_tolerance: Option<f64>| {
+        let options = LiveOptions { data_tolerance, ..options(kind) };
+        let mut model = live(body([9, 3, 3], 2, 0.0, 13).unwrap(), 2, &options);
+        let softest = (0..).map(Cell).find(|c| model.fine().young(*c) == 1.0 && c.0 % 18 == 2).unwrap();
+        let slightly = Edit { region: Region::Cells(vec![softest]), change: Change::Young(1.01) };
+        model.apply_all(&[slightly, edit(1, [15.0, 2.0, 3.0], 1.5)], &silent).unwrap();
+        model
+    };
+    let [free, bounded] = [None, Some(0.1)].map(|tolerance| train(TrainingKind::Substructured, tolerance));
+    let exact = train(TrainingKind::OneRing, None);
+    let same = |a: &CoarseModel, b: &CoarseModel, i: usize| a.functions().of(i) == b.functions().of(i);
+    for (i, element) in free.coarse().elements().iter().enumerate() {
+        let x = free.coarse().partition().coarse().cell_position(Cell(element.cell.0))[0];
+        assert_eq!(same(bounded.coarse(), exact.coarse(), i), x >= 5, "{element:?}: exact where the change is large");
+        assert_eq!(same(bounded.coarse(), free.coarse(), i), x < 5, "{element:?}: in substructures elsewhere");
+    }
+}
+
+#[test]
 fn an_edit_that_changes_nothing_changes_not_a_bit() {
     let mut model = live(body([3, 2, 2], 2, 0.1, 3).unwrap(), 2, &options(TrainingKind::Global));
     let before = model.coarse().clone();

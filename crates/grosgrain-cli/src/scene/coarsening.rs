@@ -15,12 +15,14 @@ pub enum Training {
 }
 
 /// The `[coarsening]` table.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coarsening {
     /// Fine cells along an edge of a coarse cell.
     pub degree: usize,
     /// Where the training data come from.
     pub training: Training,
+    /// Rings of substructured training whose error may be larger are trained exactly.
+    pub data_tolerance: Option<f64>,
     /// The base of the shape functions.
     pub base: BaseKind,
     /// How the shape functions are found.
@@ -29,13 +31,14 @@ pub struct Coarsening {
     pub split: bool,
 }
 
-const KEYS: &[&str] = &["degree", "training", "fields", "base", "objective", "split"];
+const KEYS: &[&str] = &["degree", "training", "data_tolerance", "fields", "base", "objective", "split"];
 
 /// Reads `[coarsening]`.
 pub fn read_coarsening(item: &Item) -> Reading<Coarsening> {
     let section = item.section(KEYS)?;
     let degree = section.required("degree", "an integer of at least 1", Item::count);
     let training = section.optional("training", read_training);
+    let data_tolerance = section.optional("data_tolerance", Item::positive);
     let fields = section.optional("fields", |fields| match fields.count()? {
         6 => Ok(()),
         _ => Err(not_yet(fields, "6")),
@@ -47,9 +50,16 @@ pub fn read_coarsening(item: &Item) -> Reading<Coarsening> {
     let objective = section.optional("objective", |objective| objective.choice(&objectives));
     let split = section.optional("split", Item::boolean);
     fields?;
+    let (training, data_tolerance) = (training?.unwrap_or(Training::Kind(TrainingKind::OneRing)), data_tolerance?);
+    if data_tolerance.is_some() && training != Training::Kind(TrainingKind::Substructured) {
+        let sentence =
+            "only substructured training has a tolerance; expected training = \"substructured\", or no data_tolerance";
+        return Err(section.note_at(&["data_tolerance"], sentence.into()));
+    }
     Ok(Coarsening {
         degree: degree?,
-        training: training?.unwrap_or(Training::Kind(TrainingKind::OneRing)),
+        training,
+        data_tolerance,
         base: base?.unwrap_or(BaseKind::Harmonic),
         objective: objective?.unwrap_or(Objective::ClosedForm),
         split: split?.unwrap_or(true),

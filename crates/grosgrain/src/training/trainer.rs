@@ -25,6 +25,7 @@ enum Engine {
         substructures: Box<Substructures>,
         /// Cells whose caches may be those of a body that was given up.
         unsettled: Vec<CoarseCell>,
+        tolerance: f64,
     },
 }
 
@@ -48,10 +49,17 @@ impl Trainer {
                 let harmonic = HarmonicDisplacements::solve(initial, SolverChoice::Auto, progress)?;
                 let forces = Arc::new(InterfaceForces::new(initial, partition, &harmonic));
                 let substructures = Box::new(Substructures::new(initial, forces, InterfaceSpace::default()));
-                Engine::Substructured { substructures, unsettled: Vec::new() }
+                Engine::Substructured { substructures, unsettled: Vec::new(), tolerance: f64::INFINITY }
             }
         };
         Ok(Self { partition: *partition, engine })
+    }
+
+    /// Trains rings exactly whose bound of the relative error in energy is larger than this; of use for substructured training only.
+    pub fn limit_error(&mut self, limit: f64) {
+        if let Engine::Substructured { tolerance, .. } = &mut self.engine {
+            *tolerance = limit;
+        }
     }
 
     /// The coarse cells whose data depend on what is in the `changed` ones, ascending: themselves for single-cell training, their
@@ -84,11 +92,11 @@ impl Trainer {
                 Ok(Training::from_harmonic(model, mesh, elements, &harmonic))
             }
             Engine::Local(_, trainer) => trainer.train(model, mesh, elements, progress),
-            Engine::Substructured { substructures, unsettled } => {
+            Engine::Substructured { substructures, unsettled, tolerance } => {
                 unsettled.extend(changed);
                 *unsettled = ascending(std::mem::take(unsettled));
                 substructures.renew(model, unsettled);
-                substructures.train(model, mesh, elements, progress)
+                substructures.train_within(model, mesh, elements, *tolerance, progress)
             }
         }
     }

@@ -43,6 +43,7 @@ impl LiveCoarse {
         let mut lap = || std::mem::replace(&mut clock, Instant::now()).elapsed().as_secs_f64();
         let training = run_time_training(&partition, options.training);
         let mut trainer = Trainer::new(fine, &partition, training, progress)?;
+        trainer.limit_error(options.data_tolerance.unwrap_or(f64::INFINITY));
         let fitter = ElementFitter::new(&partition, fine.grid().spacing, (options.base, Objective::ClosedForm))?;
         report.seconds.topology = lap();
         let data = trainer.train(fine, &mesh, (&[], mesh.elements()), progress)?;

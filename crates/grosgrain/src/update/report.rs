@@ -10,6 +10,8 @@ use crate::training::{RunTimeTraining, TrainingError};
 pub struct LiveOptions {
     /// Training of the first build and of every update.
     pub training: RunTimeTraining,
+    /// With substructured training: rings whose bound of the relative error in energy is larger are trained exactly.
+    pub data_tolerance: Option<f64>,
     /// Base functions.
     pub base: BaseKind,
     /// Whether the parts of a coarse cell that an edit separates get elements of their own.
@@ -24,6 +26,7 @@ impl Default for LiveOptions {
     fn default() -> Self {
         Self {
             training: RunTimeTraining::default(),
+            data_tolerance: None,
             base: BaseKind::Harmonic,
             split: true,
             loose: LooseParts::Drop,

@@ -96,7 +96,7 @@ mod tests {
         let mut grid = VoxelGrid::uniform([3 * degree; 3], [1.0, 0.5, 1.5], Label(0));
         for c in 0..grid.labels.len() {
             grid.labels[c] = Label((((c + 3) * (c + seed) * 2654435761) >> 9 & 1) as i32);
-            grid.void[c] = c % 23 == 7;
+            grid.void[c] = c % 61 == 7;
         }
         let mut table = MaterialTable::new();
         for (label, young) in [(0, 1e5), (1, 5e6)] {

@@ -1,7 +1,8 @@
 //! Small dense matrices of substructures, row-major.
 
-/// A pivot below this share of its diagonal: rows that a cell hardly tells apart; as many digits of the ring would be lost.
-pub(super) const DEPENDENT: f64 = 1e-6;
+/// A pivot below this share of its diagonal: rows that a cell hardly tells apart. The stiffness of its interfaces is then larger than that of the cell by the
+/// inverse of this share, and its rounding by the inverse square.
+pub(super) const DEPENDENT: f64 = 1e-3;
 /// A pivot below this share of its diagonal is a motion without stiffness.
 pub(super) const VANISHING: f64 = 1e-11;
 

@@ -334,8 +334,29 @@ impl Substructures {
         elements: &[CellPart],
         progress: Progress<'_>,
     ) -> Result<Training, TrainingError> {
+        self.train_within(model, mesh, elements, f64::INFINITY, progress)
+    }
+
+    /// The same, and by one-ring training too where the [bound](Self::error_bound) of the error of a ring exceeds `tolerance` in any of the six fields.
+    ///
+    /// # Errors
+    /// As [`Substructures::train`].
+    pub fn train_within(
+        &self,
+        model: &FineModel,
+        mesh: &CoarseMesh,
+        elements: &[CellPart],
+        tolerance: f64,
+        progress: Progress<'_>,
+    ) -> Result<Training, TrainingError> {
+        let is_within = |cell: CoarseCell| {
+            let within = |bounds: [f64; F]| bounds.iter().all(|bound| *bound <= tolerance);
+            tolerance == f64::INFINITY || self.error_bound(model, cell).is_some_and(within)
+        };
         self.one_ring.train_by(elements, progress, &|parts| {
-            self.train_cell(model, mesh, parts).map_or_else(|| self.one_ring.train_cell(model, mesh, parts), Ok)
+            let bounded = parts.first().is_some_and(|part| is_within(part.cell));
+            let data = if bounded { self.train_cell(model, mesh, parts) } else { None };
+            data.map_or_else(|| self.one_ring.train_cell(model, mesh, parts), Ok)
         })
     }
 }
