@@ -52,8 +52,7 @@ pub fn read_coarsening(item: &Item) -> Reading<Coarsening> {
     fields?;
     let (training, data_tolerance) = (training?.unwrap_or(Training::Kind(TrainingKind::OneRing)), data_tolerance?);
     if data_tolerance.is_some() && training != Training::Kind(TrainingKind::Substructured) {
-        let sentence =
-            "only substructured training has a tolerance; expected training = \"substructured\", or no data_tolerance";
+        let sentence = "coarsening.data_tolerance: only substructured training has a tolerance; expected training = \"substructured\", or no data_tolerance";
         return Err(section.note_at(&["data_tolerance"], sentence.into()));
     }
     Ok(Coarsening {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::dense::{DEPENDENT, VANISHING, add_product, combine, gram, invert, solve_semidefinite};
+use super::dense::{VANISHING, add_product, combine, gram, invert, solve_semidefinite};
 use super::forces::{CellLoads, NODE_COLUMNS, quarter_areas};
 use super::interface::Interface;
 use super::solids::{Solids, local_node};
@@ -16,6 +16,12 @@ use crate::solver::six_components;
 /// Rigid motions of a part.
 pub(super) const RIGID: usize = 6;
 const F: usize = HARMONIC_FIELDS;
+
+/// A pivot of F' below this share of its diagonal: rows that the cell cannot tell apart. K̂ grows like the inverse of the share.
+const DEPENDENT: f64 = 1e-6;
+/// The same for what is left of a cell next to voids, where rows of several interfaces are nearly dependent together: a cell that is whole keeps eight digits
+/// down to the share above, remains were found to keep five there and seven here.
+const DEPENDENT_REMAINS: f64 = 1e-3;
 
 /// The elimination of a coarse cell.
 pub(super) fn cell_plan(degree: usize) -> Option<Arc<FrontalPlan>> {
@@ -62,6 +68,8 @@ pub(super) struct CellCache {
     pub corrected: bool,
     factors: FrontalFactors,
     width: usize,
+    /// Rows are dependent where a pivot of F' is below this share of its diagonal.
+    dependent: f64,
 }
 
 /// What a cell is made from.
@@ -117,6 +125,7 @@ impl CellCache {
             offsets,
             factors,
             width,
+            dependent: if source.solids.is_full() { DEPENDENT } else { DEPENDENT_REMAINS },
         };
         cache.condense(source, columns, &workspace.gram);
         let finite = |values: &[f64]| values.iter().all(|v| v.is_finite());
@@ -322,7 +331,7 @@ impl CellCache {
         let rows = &condensed.rows;
         let mut k: Vec<f64> = Vec::with_capacity(n * n);
         rows.iter().for_each(|s| k.extend(rows.iter().map(|r| self.flexibility[all * s + r])));
-        if !invert(n, &mut k, &mut Vec::new()) {
+        if !invert(n, &mut k, &mut Vec::new(), self.dependent) {
             return false;
         }
         let free: Vec<usize> = (0..motions).filter(|m| !parts[m / RIGID].1).collect();
@@ -389,7 +398,7 @@ impl CellCache {
             below[m + c] = 1.0;
             load.copy_from_slice(&condensed.answer[F * row..][..F]);
         }
-        if forces.eliminate(DEPENDENT) > 0 {
+        if forces.eliminate(self.dependent) > 0 {
             return false;
         }
         motions.reset(m, n, F);

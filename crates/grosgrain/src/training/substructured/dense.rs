@@ -1,23 +1,20 @@
 //! Small dense matrices of substructures, row-major.
 
-/// A pivot below this share of its diagonal: rows that a cell hardly tells apart. The stiffness of its interfaces is then larger than that of the cell by the
-/// inverse of this share, and its rounding by the inverse square.
-pub(super) const DEPENDENT: f64 = 1e-3;
 /// A pivot below this share of its diagonal is a motion without stiffness.
 pub(super) const VANISHING: f64 = 1e-11;
 
-/// Inverts a positive definite n×n matrix in place by Gauss–Jordan elimination; false where a pivot is too small to keep digits.
-pub(super) fn invert(n: usize, a: &mut [f64], row: &mut Vec<f64>) -> bool {
-    struct Invert<'a>(usize, &'a mut [f64], &'a mut Vec<f64>);
+/// Inverts a positive definite n×n matrix in place by Gauss–Jordan elimination; false where a pivot is below the share `dependent` of its diagonal.
+pub(super) fn invert(n: usize, a: &mut [f64], row: &mut Vec<f64>, dependent: f64) -> bool {
+    struct Invert<'a>(usize, &'a mut [f64], &'a mut Vec<f64>, f64);
     impl pulp::WithSimd for Invert<'_> {
         type Output = bool;
         #[inline(always)]
         fn with_simd<S: pulp::Simd>(self, _: S) -> bool {
-            let Self(n, a, pivot_row) = self;
+            let Self(n, a, pivot_row, dependent) = self;
             let scale: Vec<f64> = (0..n).map(|k| a[k * n + k]).collect();
             for (k, &scale) in scale.iter().enumerate() {
                 let pivot = a[k * n + k];
-                if pivot.is_nan() || pivot <= DEPENDENT * scale {
+                if pivot.is_nan() || pivot <= dependent * scale {
                     return false;
                 }
                 let inverse = 1.0 / pivot;
@@ -37,7 +34,7 @@ pub(super) fn invert(n: usize, a: &mut [f64], row: &mut Vec<f64>) -> bool {
             true
         }
     }
-    n == 0 || pulp::Arch::new().dispatch(Invert(n, a, row))
+    n == 0 || pulp::Arch::new().dispatch(Invert(n, a, row, dependent))
 }
 
 /// Solves the positive semidefinite system A x = b of `columns` right-hand sides in place; x is zero where a pivot vanishes.
@@ -163,7 +160,7 @@ mod tests {
         let entry = |i: usize, j: usize| all[width * i.max(j) + i.min(j)];
         let a: Vec<f64> = (0..n * n).map(|m| entry(m / n, m % n)).collect();
         let mut inverse = a.clone();
-        assert!(invert(n, &mut inverse, &mut Vec::new()));
+        assert!(invert(n, &mut inverse, &mut Vec::new(), 1e-6));
         for (i, j) in (0..n * n).map(|m| (m / n, m % n)) {
             let sum: f64 = (0..n).map(|k| a[n * i + k] * inverse[n * k + j]).sum();
             assert!((sum - f64::from(u8::from(i == j))).abs() < 1e-12);
@@ -188,7 +185,7 @@ mod tests {
         let b: Vec<[f64; 3]> = (0..n).map(|i| [1.0, i as f64, (i as f64).cos()]).collect();
         let dot = |i: usize, j: usize| (0..3).map(|k| b[i][k] * b[j][k]).sum::<f64>();
         let low: Vec<f64> = (0..n * n).map(|m| dot(m / n, m % n)).collect();
-        assert!(!invert(n, &mut low.clone(), &mut Vec::new()));
+        assert!(!invert(n, &mut low.clone(), &mut Vec::new(), 1e-6));
         let load: Vec<f64> = (0..2 * n).map(|m| dot(m / 2, m % 2)).collect();
         let mut x = load.clone();
         solve_semidefinite(n, &mut low.clone(), &mut x, 2);
