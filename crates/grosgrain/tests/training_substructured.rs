@@ -97,7 +97,8 @@ fn without_a_change_the_data_are_the_global_ones_around_cuts_and_holes() {
     let hole = |c: usize| (1..8).contains(&at(c)[0]) && at(c)[1] == 2 && (2..4).contains(&at(c)[2]);
     let corner = |c: usize| at(c).iter().all(|x| *x < 3);
     let voids: [&dyn Fn(usize) -> bool; 3] = [&slot, &hole, &|c| slot(c) || corner(c)];
-    for (void, count) in voids.into_iter().zip([12, 12, 11]) {
+    // Halves of cells beside the slot have nearly dependent rows, and their rings are left to one-ring training.
+    for (void, count) in voids.into_iter().zip([4, 12, 4]) {
         let mut labels = phases(324, 6);
         (0..324).filter(|c| void(*c)).for_each(|c| labels[c] = 0);
         let model = body(cells, &labels, &[1e5, 5e6]);

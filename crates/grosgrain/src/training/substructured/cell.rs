@@ -19,8 +19,9 @@ const F: usize = HARMONIC_FIELDS;
 
 /// A pivot of F' below this share of its diagonal: rows that the cell cannot tell apart. K̂ grows like the inverse of the share.
 const DEPENDENT: f64 = 1e-6;
-/// The same for what is left of a cell next to voids, where rows of several interfaces are nearly dependent together: a cell that is whole keeps eight digits
-/// down to the share above, remains were found to keep five there and seven here.
+/// The same for what is left of a cell next to voids, where rows of several interfaces are nearly dependent together. A cell that is whole keeps eight digits
+/// down to the share above; in bodies with random voids remains kept two there, five at a tenth of the
+/// share below, and seven here.
 const DEPENDENT_REMAINS: f64 = 1e-3;
 
 /// The elimination of a coarse cell.
