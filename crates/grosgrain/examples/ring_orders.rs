@@ -24,6 +24,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         let counts = Ring { degree }.counts()?.map(|c| format!("{:>10.1}", c / 1e6));
         println!("{degree:>2} {}", counts.join(" "));
     }
+    println!("workspace of one ring with the cell last, MB (one for each thread):");
+    for degree in 2..=7 {
+        println!("{degree:>2} {:>10.1}", Ring { degree }.workspace()? as f64 / 1e6);
+    }
     Ok(())
 }
 
@@ -43,6 +47,24 @@ impl Ring {
             self.operations([d, d, 3 * d], &|[x, y, _]| inner(x) && inner(y), &self.orders())?,
             self.operations([d, 3 * d, 3 * d], &|[x, y, z]| inner(x) && !self.in_core([x, y, z]), &self.orders())?,
         ])
+    }
+
+    /// Bytes of a solver that keeps the factor of the cell.
+    fn workspace(&self) -> Result<usize, FrontalPlanError> {
+        let n = 3 * self.degree + 1;
+        let corners = |c: usize| -> Vec<u32> {
+            let at = [c % (n - 1), c / (n - 1) % (n - 1), c / (n - 1) / (n - 1)];
+            let node = |a: usize| at[0] + (a & 1) + n * (at[1] + (a >> 1 & 1) + n * (at[2] + (a >> 2)));
+            (0..8).map(|a| node(a) as u32).collect()
+        };
+        let elements: Vec<Vec<u32>> = (0..(n - 1).pow(3)).map(corners).collect();
+        let groups = self.core_last();
+        let in_core = groups.iter().rev().scan(0, |nodes, group| {
+            *nodes += group.len();
+            Some(*nodes)
+        });
+        let kept = in_core.take_while(|nodes| *nodes <= (self.degree + 1).pow(3)).count();
+        Ok(FrontalPlan::new(n * n * n, 3, &elements, &groups)?.workspace_bytes(6, kept))
     }
 
     fn in_core(&self, at: At) -> bool {

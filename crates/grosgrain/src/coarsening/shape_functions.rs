@@ -10,10 +10,10 @@ use crate::training::Training;
 /// How the constrained optimisation is solved.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Objective {
-    /// In closed form ([`Fitter`]).
+    /// In closed form ([`Fitter`](super::Fitter)).
     #[default]
     ClosedForm,
-    /// As one sparse saddle-point system per cell ([`fit_coupled`]), the baseline.
+    /// As one sparse saddle-point system per cell ([`fit_coupled`](super::fit_coupled())), the baseline.
     Coupled,
 }
 

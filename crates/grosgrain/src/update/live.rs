@@ -9,7 +9,7 @@ use crate::mesh::Cell;
 use crate::progress::{Progress, silent};
 use crate::training::TrainingKind;
 
-/// Motion of the vertices of a coarse model, three numbers each; see [`CoarseMesh::vertices`].
+/// Motion of the vertices of a coarse model, three numbers each; see [`CoarseMesh::vertices`](crate::partition::CoarseMesh::vertices).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CoarseState {
     /// Displacement \[m\].
