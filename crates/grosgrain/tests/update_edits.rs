@@ -197,6 +197,7 @@ fn the_history_holds_as_many_updates_as_it_is_deep() {
     for cell in 0..5 {
         let resolved = at(&[cell], Change::Young(10.0 + cell as f64)).resolve(&model).unwrap();
         assert_eq!(editor.apply(&mut model, &resolved, &[]).unwrap().changed, [Cell(cell)]);
+        editor.settle();
         contents.push(content(&model));
     }
     for back in (2..5).rev() {

@@ -162,6 +162,24 @@ fn substructures_return_to_the_global_data_when_every_edit_is_undone() {
 }
 
 #[test]
+fn a_failed_update_does_not_cost_an_older_one_its_undoing() {
+    for depth in [0, 1, 2] {
+        let options = LiveOptions { undo_depth: depth, ..options(TrainingKind::SingleCell) };
+        let mut model = live(body([3, 2, 2], 2, 0.0, 17).unwrap(), 2, &options);
+        let young = |value: f64| Edit { region: Region::Selector(Selector::All), change: Change::Young(value) };
+        for value in [2.0, 3.0, 4.0] {
+            model.apply(&young(value)).unwrap();
+        }
+        assert_eq!(model.undo_depth(), depth);
+        let stop = |name: &'static str, _: usize, _: usize| name != "fitting";
+        assert!(model.apply_all(&[young(5.0)], &stop).is_err());
+        assert_eq!((model.undo_depth(), model.fine().young(Cell(0))), (depth, 4.0));
+        while model.undo(&silent).unwrap().is_some() {}
+        assert_eq!(model.fine().young(Cell(0)), 4.0 - depth as f64);
+    }
+}
+
+#[test]
 fn rings_beyond_the_tolerance_are_trained_exactly() {
     let train = |kind: TrainingKind, data_tolerance: Option<f64>| {
         let options = LiveOptions { data_tolerance, ..options(kind) };

@@ -15,5 +15,6 @@ pub use lattice_solver::{Hold, LatticeSystem, SolveReport, SolverChoice};
 pub use multigrid::{Cycle, Multigrid, MultigridError, MultigridParameters};
 pub use rigid_motions::RigidMotions;
 
-/// Relative residual ‖f − K u‖ / ‖f‖ that every solution reaches.
+/// Relative residual ‖f − K u‖ / ‖f‖ that every solution of a lattice system or a mesh of elements reaches. (Local training problems are eliminated from outside
+/// in without a solution for all unknowns, so there is no residual; see `training`.)
 pub const TOLERANCE: f64 = 1e-8;

@@ -25,8 +25,8 @@ impl Default for RunTimeTraining {
     }
 }
 
-/// Predicted seconds of training on one thread, from operation counts and the rates that `examples/benchmarks` measured on one machine; good
-/// for comparing kinds, not for planning.
+/// Predicted seconds of training on one thread, from operation counts and the rate of rings that `examples/benchmarks` measured on one machine; good
+/// for comparing kinds roughly, not for planning: the factorisation of a whole body is slower than that rate by up to two.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrainingCost {
     /// One solution of the global problem.

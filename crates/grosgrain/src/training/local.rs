@@ -316,6 +316,13 @@ mod tests {
         }
     }
 
+    /// Both ways have a residual near rounding; a ratio of 10⁶ between neighbours multiplies it.
+    #[test]
+    fn outside_in_equals_the_whole_ring_at_a_million_to_one() {
+        let labels: Vec<u8> = (0..192).map(|n: usize| 1 + (n * n / 3 % 6) as u8).collect();
+        assert_eq!(compare(&body([8, 6, 4], &labels, 1e6), 2, RingKind::OneRing, 1e-7), 24);
+    }
+
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(16))]
         #[test]

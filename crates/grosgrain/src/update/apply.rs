@@ -38,7 +38,7 @@ impl Editor {
 
     /// Changes the model as resolved; `held` marks the nodes of the lattice that hold the body.
     ///
-    /// Where cells were removed or added, parts that hang on nothing are searched, and dropped where that is the policy, as a part of
+    /// The change can be undone whatever the depth, until it is [settled](Self::settle) or the next one is made. Where cells were removed or added, parts that hang on nothing are searched, and dropped where that is the policy, as a part of
     /// the same update. Nothing to change is no update: it cannot be undone.
     ///
     /// # Errors
@@ -50,6 +50,7 @@ impl Editor {
         resolved: &Resolved,
         held: &[bool],
     ) -> Result<Applied<'_>, EditError> {
+        self.history.trim();
         self.changed.clear();
         let mut loose = LooseReport::default();
         if resolved.changes.is_empty() {
@@ -64,8 +65,12 @@ impl Editor {
                 loose.dropped = true;
             }
         }
-        self.history.trim();
         Ok(Applied { changed: &self.changed, loose })
+    }
+
+    /// Tells that the last change stays: the oldest one beyond the depth can no longer be undone.
+    pub fn settle(&mut self) {
+        self.history.trim();
     }
 
     fn drop_loose(&mut self, model: &mut FineModel) -> Result<(), EditError> {

@@ -51,7 +51,7 @@ impl LiveModel {
         let coarse = LiveCoarse::new(&fine, degree, options, &mut UpdateReport::default(), progress)?;
         let unknowns = 3 * coarse.model().mesh().vertices().len();
         let state = CoarseState { displacement: vec![0.0; unknowns], velocity: vec![0.0; unknowns] };
-        let editor = Editor::new(options.undo_depth.max(1), options.loose);
+        let editor = Editor::new(options.undo_depth, options.loose);
         Ok(Self { fine, coarse, state, editor, held })
     }
 
@@ -102,6 +102,7 @@ impl LiveModel {
         let topology = resolved.removed + resolved.added > 0;
         match self.renew(&changed, topology, &mut report, progress) {
             Ok(()) => {
+                self.editor.settle();
                 report.seconds.total = start.elapsed().as_secs_f64();
                 Ok(report)
             }

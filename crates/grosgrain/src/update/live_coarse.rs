@@ -45,7 +45,6 @@ impl LiveCoarse {
         let mut trainer = Trainer::new(fine, &partition, training, progress)?;
         trainer.limit_error(options.data_tolerance.unwrap_or(f64::INFINITY));
         let fitter = ElementFitter::new(&partition, fine.grid().spacing, (options.base, Objective::ClosedForm))?;
-        report.seconds.topology = lap();
         let data = trainer.train(fine, &mesh, (&[], mesh.elements()), progress)?;
         report.seconds.training = lap();
         let functions = fitter.fit(fine, &mesh, &data, progress)?;

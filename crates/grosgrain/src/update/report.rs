@@ -18,7 +18,7 @@ pub struct LiveOptions {
     pub split: bool,
     /// What happens to parts that are cut loose.
     pub loose: LooseParts,
-    /// Number of updates that can be undone, at least one.
+    /// Number of updates that can be undone.
     pub undo_depth: usize,
 }
 
