@@ -4,6 +4,7 @@
 mod cholesky;
 mod conjugate_gradients;
 mod dense_cholesky;
+pub mod matrix3;
 mod multifrontal;
 mod ordering;
 mod reduction;
