@@ -48,7 +48,7 @@ pub fn run() -> Result<f64, Box<dyn Error>> {
     let mut materials = MaterialTable::new();
     for (label, name, young) in [(SOFT, "soft", 1e5), (STIFF, "stiff", 5e6)] {
         let elasticity = Elasticity::Isotropic(IsotropicMaterial::new(young, 0.45)?);
-        materials.insert(label, Material { name: name.into(), elasticity, density: 1000.0 });
+        materials.insert(label, Material::linear(name, elasticity, 1000.0));
     }
 
     // 3. The fine model, what holds it and what pulls.

@@ -42,7 +42,7 @@ pub fn run(talk: bool) -> Result<Vec<f64>, Box<dyn Error>> {
     let mut materials = MaterialTable::new();
     for (label, name, young) in [(SOFT, "soft", 1e5), (STIFF, "stiff", 5e6)] {
         let elasticity = Elasticity::Isotropic(IsotropicMaterial::new(young, 0.45)?);
-        materials.insert(label, Material { name: name.into(), elasticity, density: 1000.0 });
+        materials.insert(label, Material::linear(name, elasticity, 1000.0));
     }
     let held = Selector::Plane { axis: Axis::X, at: PlaneAt::Min }.nodes(&grid)?.mask;
     let tip = Selector::Plane { axis: Axis::X, at: PlaneAt::Max }.nodes(&grid)?.mask;

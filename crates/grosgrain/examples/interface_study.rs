@@ -73,7 +73,7 @@ fn body(degree: usize, phase: &dyn Fn(usize, i32) -> i32, direction: [f64; 3]) -
     let mut materials = MaterialTable::new();
     for (label, young) in [(0, 1e5), (1, 5e6)] {
         let elasticity = Elasticity::Isotropic(IsotropicMaterial::new(young, 0.45)?);
-        materials.insert(Label(label), Material { name: format!("phase {label}"), elasticity, density: 1000.0 });
+        materials.insert(Label(label), Material::linear(format!("phase {label}"), elasticity, 1000.0));
     }
     Ok(FineModel::new(grid, &materials)?)
 }

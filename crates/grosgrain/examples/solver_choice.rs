@@ -113,7 +113,7 @@ fn materials() -> Result<MaterialTable, Failure> {
     let mut table = MaterialTable::new();
     for (label, young) in [(0, 1e5), (1, 1e5 * RATIO)] {
         let elasticity = Elasticity::Isotropic(IsotropicMaterial::new(young, 0.45)?);
-        table.insert(Label(label), Material { name: format!("phase {label}"), elasticity, density: 1000.0 });
+        table.insert(Label(label), Material::linear(format!("phase {label}"), elasticity, 1000.0));
     }
     Ok(table)
 }

@@ -19,7 +19,7 @@
 //!
 //! let elasticity = Elasticity::Isotropic(IsotropicMaterial::new(1e5, 0.45)?);
 //! let mut materials = MaterialTable::new();
-//! materials.insert(Label(0), Material { name: "gel".into(), elasticity, density: 1000.0 });
+//! materials.insert(Label(0), Material::linear("gel", elasticity, 1000.0));
 //! let model = FineModel::new(VoxelGrid::uniform([8, 4, 4], [0.01; 3], Label(0)), &materials)?;
 //! let coarse = build(&model, 2, &BuildOptions::default(), &grosgrain::progress::silent)?.model;
 //! assert_eq!(coarse.elements().len(), 4 * 2 * 2);

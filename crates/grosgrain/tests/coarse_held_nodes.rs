@@ -18,7 +18,7 @@ fn half_filled_slab() -> FineModel {
     }
     let elasticity = Elasticity::Isotropic(IsotropicMaterial::new(1e5, 0.3).unwrap());
     let mut table = MaterialTable::new();
-    table.insert(Label(1), Material { name: "soft".into(), elasticity, density: 1000.0 });
+    table.insert(Label(1), Material::linear("soft", elasticity, 1000.0));
     FineModel::new(grid, &table).unwrap()
 }
 

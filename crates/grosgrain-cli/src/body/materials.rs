@@ -99,13 +99,13 @@ pub fn table(scene: &Scene, grid: &VoxelGrid) -> Result<MaterialTable, Failure> 
             Constants::YoungPerVoxel { poisson } => placeholder(scene, *poisson)?,
         };
         let density = material.density.unwrap_or(0.0);
-        table.insert(material.label, Material { name: material.name.clone(), elasticity, density });
+        table.insert(material.label, Material { name: material.name.clone(), elasticity, density, law: material.law });
     }
     let Some(poisson) = law_poisson(scene) else { return Ok(table) };
     let elasticity = placeholder(scene, poisson)?;
     for label in solid_counts(grid).into_keys() {
         if table.get(label).is_none() {
-            table.insert(label, Material { name: LAW_NAME.into(), elasticity, density: 0.0 });
+            table.insert(label, Material::linear(LAW_NAME, elasticity, 0.0));
         }
     }
     Ok(table)

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use grosgrain::material::Elasticity;
+use grosgrain::material::{Elasticity, Law};
 use grosgrain::mesh::{Label, Pattern};
 
 use super::body::{Keep, Source, VoxelModulus};
@@ -10,7 +10,7 @@ use super::conditions::LoadKind;
 use super::document::Reading;
 use super::edits;
 use super::labels::Labelling;
-use super::materials::{Constants, MaterialModel};
+use super::materials::Constants;
 use super::pattern::Filling;
 use super::section::{Section, enumeration};
 use super::{Problem, Scene, SceneError, SceneMaterial};
@@ -132,11 +132,11 @@ fn refuse_mixed_stiffness(root: &Section, scene: &Scene) -> Reading<()> {
 
 /// What the user should know although the scene is usable.
 pub fn warnings(scene: &Scene) -> Vec<String> {
-    let nonlinear = scene.materials.iter().filter(|m| m.model != MaterialModel::Linear);
+    let nonlinear = scene.materials.iter().filter(|m| m.law != Law::Linear);
     let mut warnings: Vec<String> = nonlinear
         .map(|m| {
-            let name = match m.model {
-                MaterialModel::NeoHookean => "neo-hookean",
+            let name = match m.law {
+                Law::NeoHookean => "neo-hookean",
                 _ => "corotational",
             };
             format!("materials.{}.model {name:?} is treated as linear for small displacements in this version", m.name)

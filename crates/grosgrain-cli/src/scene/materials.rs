@@ -1,22 +1,11 @@
 //! The `[materials.*]` tables.
 
-use grosgrain::material::{Elasticity, ElasticityTensor, IsotropicMaterial};
+use grosgrain::material::{Elasticity, ElasticityTensor, IsotropicMaterial, Law};
 use grosgrain::mesh::Label;
 
 use super::document::{Item, Reading};
 use super::section::Section;
 use super::selector::read_label;
-
-/// The law that a material follows under large deformation.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum MaterialModel {
-    /// Linear elasticity for small displacements.
-    Linear,
-    /// Linear elasticity in a frame that rotates with the cell.
-    Corotational,
-    /// Compressible neo-Hookean.
-    NeoHookean,
-}
 
 /// The elastic constants that a material gives.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,7 +27,7 @@ pub struct SceneMaterial {
     /// The label that it belongs to.
     pub label: Label,
     /// Its law.
-    pub model: MaterialModel,
+    pub law: Law,
     /// Its elastic constants.
     pub constants: Constants,
     /// Density \[kg/m³\]; `None` where the scene gives none.
@@ -81,22 +70,18 @@ fn read_material(name: &str, item: &Item, young_per_voxel: bool) -> Reading<Scen
     }
     let section = item.section(KEYS)?;
     let label = section.required("label", "the integer label that the material belongs to", read_label);
-    let models = [
-        ("linear", MaterialModel::Linear),
-        ("corotational", MaterialModel::Corotational),
-        ("neo-hookean", MaterialModel::NeoHookean),
-    ];
+    let models = [("linear", Law::Linear), ("corotational", Law::Corotational), ("neo-hookean", Law::NeoHookean)];
     let model = section.optional("model", |m| m.choice(&models));
     let constants = read_constants(&section, young_per_voxel);
     let density = section.optional("density", Item::non_negative);
-    let model = model?.unwrap_or(MaterialModel::Linear);
-    if let (Some(stiffness), true) = (section.get("stiffness"), model == MaterialModel::NeoHookean) {
+    let law = model?.unwrap_or_default();
+    if let (Some(stiffness), true) = (section.get("stiffness"), law == Law::NeoHookean) {
         return Err(stiffness.note(format!(
             "{} is given to a neo-Hookean material; expected young and poisson, or model = \"linear\"",
             stiffness.key()
         )));
     }
-    Ok(SceneMaterial { name: name.into(), label: label?, model, constants: constants?, density: density? })
+    Ok(SceneMaterial { name: name.into(), label: label?, law, constants: constants?, density: density? })
 }
 
 fn read_constants(section: &Section, young_per_voxel: bool) -> Reading<Constants> {

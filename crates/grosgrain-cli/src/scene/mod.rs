@@ -28,7 +28,7 @@ pub use coarsening::{Coarsening, Training};
 pub use conditions::{Fix, Load, LoadKind};
 pub use edits::{Repeat, SceneChange, SceneEdit, When};
 pub use labels::Labelling;
-pub use materials::{Constants, MaterialModel, SceneMaterial};
+pub use materials::{Constants, SceneMaterial};
 pub use output::Output;
 pub use pattern::{Filling, Grid};
 pub use problem::{Problem, SceneError};

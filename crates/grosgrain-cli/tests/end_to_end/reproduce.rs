@@ -40,7 +40,7 @@ fn vertical_beam() -> FineModel {
     let mut materials = MaterialTable::new();
     for (label, young) in [(7, 1e3), (8, 5e4)] {
         let elasticity = Elasticity::Isotropic(IsotropicMaterial::new(young, 0.45).unwrap());
-        materials.insert(Label(label), Material { name: "phase".into(), elasticity, density: 10.0 });
+        materials.insert(Label(label), Material::linear("phase", elasticity, 10.0));
     }
     FineModel::new(grid, &materials).unwrap()
 }

@@ -34,7 +34,7 @@ pub fn layered(cells: [usize; 3], ratio: f64) -> Outcome<FineModel> {
     let mut table = MaterialTable::new();
     for (label, young) in [(1, 1e5), (2, 1e5 * ratio)] {
         let elasticity = Elasticity::Isotropic(IsotropicMaterial::new(young, 0.45)?);
-        table.insert(Label(label), Material { name: format!("layer {label}"), elasticity, density: 1000.0 });
+        table.insert(Label(label), Material::linear(format!("layer {label}"), elasticity, 1000.0));
     }
     Ok(FineModel::new(grid, &table)?)
 }

@@ -46,7 +46,7 @@ impl UpdateCase {
         let mut table = MaterialTable::new();
         for (label, young) in [(1, 1e5), (2, 1e8)] {
             let elasticity = Elasticity::Isotropic(IsotropicMaterial::new(young, 0.45)?);
-            table.insert(Label(label), Material { name: format!("tissue {label}"), elasticity, density: 1000.0 });
+            table.insert(Label(label), Material::linear(format!("tissue {label}"), elasticity, 1000.0));
         }
         let labels: Vec<(Cell, Label)> = slit.iter().map(|cell| (*cell, grid.labels[cell.0])).collect();
         let refill = |label: i32| {

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::{ElasticityTensor, IsotropicMaterial};
+use super::{ElasticityTensor, IsotropicMaterial, Law};
 use crate::mesh::Label;
 
 /// The elastic part of a material.
@@ -34,6 +34,15 @@ pub struct Material {
     pub elasticity: Elasticity,
     /// Density \[kg/m³\].
     pub density: f64,
+    /// How it goes on under large deformation.
+    pub law: Law,
+}
+
+impl Material {
+    /// A material for small displacements.
+    pub fn linear(name: impl Into<String>, elasticity: Elasticity, density: f64) -> Self {
+        Self { name: name.into(), elasticity, density, law: Law::Linear }
+    }
 }
 
 /// Label → material.

@@ -33,8 +33,7 @@ pub fn isotropic(young: f64, poisson: f64) -> Elasticity {
 pub fn table(elasticities: &[Elasticity]) -> MaterialTable {
     let mut table = MaterialTable::new();
     for (n, elasticity) in elasticities.iter().enumerate() {
-        let material =
-            Material { name: format!("phase {n}"), elasticity: *elasticity, density: 1000.0 * (n + 1) as f64 };
+        let material = Material::linear(format!("phase {n}"), *elasticity, 1000.0 * (n + 1) as f64);
         table.insert(Label(n as i32), material);
     }
     table

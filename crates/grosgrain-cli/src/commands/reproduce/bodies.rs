@@ -109,7 +109,7 @@ pub fn fine_model(grid: VoxelGrid) -> Result<FineModel, Failure> {
     for (label, name, young) in [(PHASES[0], "soft", SOFT), (PHASES[1], "stiff", RATIO * SOFT)] {
         let isotropic = IsotropicMaterial::new(young, POISSON).map_err(|error| failed(&error))?;
         let elasticity = Elasticity::Isotropic(isotropic);
-        table.insert(label, Material { name: name.into(), elasticity, density: DENSITY });
+        table.insert(label, Material::linear(name, elasticity, DENSITY));
     }
     FineModel::new(grid, &table).map_err(|error| failed(&error))
 }

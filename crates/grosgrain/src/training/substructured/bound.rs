@@ -102,7 +102,7 @@ mod tests {
         let mut table = MaterialTable::new();
         for (label, young) in [(0, 1e5), (1, 5e6)] {
             let elasticity = Elasticity::Isotropic(IsotropicMaterial::new(young, 0.45).unwrap());
-            table.insert(Label(label), Material { name: String::new(), elasticity, density: 1.0 });
+            table.insert(Label(label), Material::linear("", elasticity, 1.0));
         }
         FineModel::new(grid, &table).unwrap()
     }

@@ -1,0 +1,13 @@
+//! What an elastic material does under large deformation.
+
+/// The law that continues linear elasticity to large deformation. All agree for small displacement gradients.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Law {
+    /// Linear elasticity for small displacements: stresses follow the symmetric displacement gradient.
+    #[default]
+    Linear,
+    /// Linear elasticity in a frame that rotates with the material point.
+    Corotational,
+    /// Compressible neo-Hookean.
+    NeoHookean,
+}
