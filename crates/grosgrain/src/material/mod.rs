@@ -1,11 +1,17 @@
-//! Materials: isotropic and fully anisotropic linear elasticity, and the table label → material.
+//! Materials: isotropic and fully anisotropic elasticity, its laws of large deformation, and the table label → material.
 
+mod corotational;
 mod elasticity_tensor;
 mod isotropic;
 mod law;
+mod linear;
+mod neo_hookean;
+mod point_law;
+mod spectral;
 mod table;
 
 pub use elasticity_tensor::{ElasticityTensor, ElasticityTensorError};
 pub use isotropic::{IsotropicMaterial, IsotropicMaterialError};
 pub use law::Law;
+pub use point_law::{Matrix9, PointLaw, Projection};
 pub use table::{Elasticity, Material, MaterialTable};
