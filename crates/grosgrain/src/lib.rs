@@ -34,6 +34,7 @@ pub mod element;
 pub mod assembly;
 pub mod solver;
 pub mod fine;
+pub mod contact;
 pub mod partition;
 pub mod training;
 pub mod coarsening;
