@@ -1,15 +1,25 @@
-//! Motion: static equilibrium of linear and of nonlinear bodies, and steps in time, fine and coarse.
+//! Motion: static equilibrium of linear and of nonlinear bodies, and steps in time, fine and coarse; what holds and loads bodies over time.
 
 mod body;
+mod conditions;
 mod equilibrium;
+mod fine_body;
+mod hold;
+mod hold_checks;
 mod integrator;
+mod motion;
 mod newton;
 mod state;
 mod static_solve;
 
 pub use body::{Body, Energies, Inversion, LinearStep, Moment, QuadraticWeights, TangentError};
+pub use conditions::{Conditions, NodeSpring, Schedule, TimedLoad};
 pub use equilibrium::{EquilibriumError, EquilibriumOptions, EquilibriumReport, LoadPath, find_equilibrium};
+pub use fine_body::{FineBody, FineMechanics};
+pub use hold::{Hold, Holds};
+pub use hold_checks::{GroundPassage, HoldConflict};
 pub use integrator::{Damping, Integrator, StepError, StepOptions, StepReport, Stepper, check_state};
+pub use motion::{Motion, MotionAt, Ramp, Twist};
 pub use newton::{NewtonError, NewtonOptions};
 pub use state::State;
 pub use static_solve::{CoarseSolution, FineSolution, relative_error, solve_coarse, solve_fine};
