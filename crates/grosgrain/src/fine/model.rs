@@ -2,7 +2,7 @@
 
 use crate::assembly::{CellStiffness, active_nodes};
 use crate::element::{CellMatrix, Hex8};
-use crate::material::{Elasticity, Material, MaterialTable};
+use crate::material::{Elasticity, Law, Material, MaterialTable};
 use crate::mesh::{Cell, Label, Lattice, Node, VoxelGrid, VoxelGridError};
 
 /// The index of the material of voids.
@@ -37,6 +37,16 @@ pub enum FineModelError {
         /// The material's name.
         name: String,
     },
+    /// A law of large deformation for a material that is not isotropic.
+    #[error(
+        "material \"{name}\" is given by a stiffness matrix, which the {law} law cannot follow; give it young and poisson, or make it linear"
+    )]
+    AnisotropicLaw {
+        /// The material's name.
+        name: String,
+        /// Its law.
+        law: Law,
+    },
 }
 
 /// A voxel body with its materials: stiffness and mass of every fine cell.
@@ -59,13 +69,14 @@ impl FineModel {
     /// A model of the body.
     ///
     /// # Errors
-    /// Unusable grids, labels without a material, a per-voxel modulus on an anisotropic material.
+    /// Unusable grids, labels without a material, an anisotropic material with a per-voxel modulus or a law other than linear.
     pub fn new(grid: VoxelGrid, table: &MaterialTable) -> Result<Self, FineModelError> {
         grid.validate()?;
         let materials: Vec<(Label, Material)> = table.iter().map(|(label, m)| (label, m.clone())).collect();
         if materials.len() >= usize::from(VOID) {
             return Err(FineModelError::TooManyMaterials { count: materials.len() });
         }
+        materials.iter().try_for_each(|(_, material)| check_law(material))?;
         let element = Hex8::new(grid.spacing);
         let references = materials.iter().map(|(_, m)| element.stiffness(&m.elasticity.tensor())).collect();
         let material_of = materials_of_cells(&grid, &materials)?;
@@ -141,6 +152,14 @@ impl CellStiffness for FineModel {
     fn stiffness(&self, cell: usize) -> Option<(f64, &CellMatrix)> {
         let reference = self.references.get(usize::from(self.material_of[cell]))?;
         Some((self.factors[cell], reference))
+    }
+}
+
+/// Laws of large deformation exist for isotropic materials only.
+fn check_law(material: &Material) -> Result<(), FineModelError> {
+    match (&material.elasticity, material.law) {
+        (Elasticity::Isotropic(_), _) | (_, Law::Linear) => Ok(()),
+        (_, law) => Err(FineModelError::AnisotropicLaw { name: material.name.clone(), law }),
     }
 }
 

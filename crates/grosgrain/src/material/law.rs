@@ -11,3 +11,13 @@ pub enum Law {
     /// Compressible neo-Hookean.
     NeoHookean,
 }
+
+impl std::fmt::Display for Law {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Linear => "linear",
+            Self::Corotational => "corotational",
+            Self::NeoHookean => "neo-Hookean",
+        })
+    }
+}

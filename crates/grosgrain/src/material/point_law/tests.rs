@@ -142,3 +142,151 @@ fn the_exact_tangent_is_the_derivative_of_the_stress() {
         }
     }
 }
+
+#[test]
+fn rotating_the_observer_changes_no_energy_and_turns_the_stress() {
+    let mut source = ChaCha8Rng::seed_from_u64(9);
+    for (law, f) in cases().into_iter().filter(|(law, _)| !matches!(law, PointLaw::Linear(_))) {
+        let turn = rotation(&mut source);
+        let ((energy, stress), (turned_energy, turned)) =
+            (law.stress(&f).unwrap(), law.stress(&product(&turn, &f)).unwrap());
+        let size = stress.iter().flatten().fold(1.0f64, |m, v| m.max(v.abs()));
+        assert!((energy - turned_energy).abs() < 1e-13 * size, "{law:?}, {f:?}");
+        for (a, b) in product(&turn, &stress).iter().flatten().zip(turned.iter().flatten()) {
+            assert!((a - b).abs() < 1e-12 * size, "{law:?}, {f:?}: {a} against {b}");
+        }
+    }
+}
+
+#[test]
+fn without_deformation_all_laws_are_linear_elasticity() {
+    let reference = laws()[0].tangent(&IDENTITY, Projection::Exact).unwrap().2;
+    let tensor = material(Law::Linear).elasticity.tensor();
+    assert_eq!(reference[0][4], tensor.voigt()[0][1]);
+    assert_eq!(reference[5][7], tensor.voigt()[3][3]);
+    for law in laws() {
+        let (energy, stress, tangent) = law.tangent(&IDENTITY, Projection::Exact).unwrap();
+        assert_eq!((energy, stress), (0.0, [[0.0; 3]; 3]), "{law:?}");
+        for (a, b) in tangent.iter().flatten().zip(reference.iter().flatten()) {
+            assert!((a - b).abs() < 1e-14 * scale(&reference), "{law:?}: {a} against {b}");
+        }
+    }
+}
+
+#[test]
+fn small_deformations_have_the_energy_of_linear_elasticity() {
+    let mut source = ChaCha8Rng::seed_from_u64(10);
+    let [linear, others @ ..] = laws();
+    for size in [1e-3, 1e-5, 1e-7] {
+        let f = random(&mut source, size);
+        let exact = linear.energy(&f).unwrap();
+        for law in others {
+            let error = (law.energy(&f).unwrap() / exact - 1.0).abs();
+            // Third order terms, and the rounding of F itself.
+            assert!(error < 30.0 * size + 4e-16 / size, "{law:?}, {size}: {error:.1e}");
+        }
+    }
+}
+
+#[test]
+fn a_projected_tangent_is_semidefinite_and_the_exact_one_where_that_is() {
+    let (mut definite, mut changed) = (0, 0);
+    for (law, f) in cases() {
+        let (energy, stress, exact) = law.tangent(&f, Projection::Exact).unwrap();
+        let (energy_too, stress_too, projected) = law.tangent(&f, Projection::PositiveSemidefinite).unwrap();
+        assert_eq!((energy, stress), (energy_too, stress_too));
+        let (before, after) = (eigenvalues(&exact), eigenvalues(&projected));
+        let size = scale(&exact);
+        assert!(after[0] > -1e-13 * size, "{law:?}, {f:?}: {after:?}");
+        for (a, b) in before.iter().zip(&after) {
+            assert!((a.max(0.0) - b).abs() < 1e-12 * size, "{law:?}, {f:?}: {before:?} against {after:?}");
+        }
+        let difference = exact.iter().flatten().zip(projected.iter().flatten()).map(|(a, b)| (a - b).abs());
+        let difference = difference.fold(0.0, f64::max);
+        match before[0] >= 0.0 {
+            true => assert!(difference < 1e-12 * size, "{law:?}, {f:?}: {difference:.1e}"),
+            false => assert!(difference <= -before.iter().filter(|v| **v < 0.0).sum::<f64>() + 1e-12 * size),
+        }
+        definite += usize::from(before[0] > 1e-3);
+        changed += usize::from(before[0] < -1e-3);
+    }
+    assert!(definite > 50 && changed > 50, "{definite} definite, {changed} not");
+}
+
+/// All three kinds of eigenvalues are clamped somewhere: scalings and flips of the neo-Hookean law only under strong expansion.
+#[test]
+fn expansion_makes_the_neo_hookean_law_concave_in_its_scalings_too() {
+    let stretch = [[4.0, 0.0, 0.0], [0.0, 3.0, 0.0], [0.0, 0.0, 0.3]];
+    let law = PointLaw::NeoHookean { lambda: 10.0, mu: 1.0 };
+    let exact = law.tangent(&stretch, Projection::Exact).unwrap().2;
+    let scalings: Matrix3 = std::array::from_fn(|a| std::array::from_fn(|b| exact[4 * a][4 * b]));
+    assert!(determinant(&scalings) < 0.0, "{scalings:?}");
+    let (before, after) =
+        (eigenvalues(&exact), eigenvalues(&law.tangent(&stretch, Projection::PositiveSemidefinite).unwrap().2));
+    assert!(before.iter().zip(&after).all(|(a, b)| (a.max(0.0) - b).abs() < 1e-12 * scale(&exact)));
+}
+
+/// Uniaxial stress: the lateral stretch b solves μ (b² − 1) + λ ln(a b²) = 0, and P₁₁ = μ (a − 1/a) + λ ln(a b²) / a.
+#[test]
+fn uniaxial_tension_of_the_neo_hookean_law_is_the_closed_form() {
+    let (lambda, mu) = (2.0, 1.5);
+    let law = PointLaw::NeoHookean { lambda, mu };
+    for a in [0.3, 0.9, 1.0, 1.5, 3.0] {
+        let lateral = |b: f64| mu * (b * b - 1.0) + lambda * (a * b * b).ln();
+        let (mut low, mut high) = (0.01, 10.0);
+        for _ in 0..200 {
+            let middle = 0.5 * (low + high);
+            if lateral(middle) < 0.0 { low = middle } else { high = middle }
+        }
+        let (b, turn) = (low, rotation(&mut ChaCha8Rng::seed_from_u64(11)));
+        let f = product(&turn, &[[a, 0.0, 0.0], [0.0, b, 0.0], [0.0, 0.0, b]]);
+        let stress = product(&transposed(&turn), &law.stress(&f).unwrap().1);
+        let axial = mu * (a - 1.0 / a) + lambda * (a * b * b).ln() / a;
+        for (i, j) in (0..9).map(|n| (n / 3, n % 3)) {
+            let exact = if (i, j) == (0, 0) { axial } else { 0.0 };
+            assert!((stress[i][j] - exact).abs() < 1e-13 * (mu + lambda) / a, "{a}: {stress:?}, {axial}");
+        }
+    }
+}
+
+#[test]
+fn simple_extension_of_the_corotational_law_is_that_of_linear_elasticity_at_any_size() {
+    let law = PointLaw::Corotational { lambda: 2.0, mu: 1.5 };
+    let turn = rotation(&mut ChaCha8Rng::seed_from_u64(12));
+    for stretch in [0.2, 1.0, 3.0] {
+        let f = product(&turn, &[[stretch, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
+        let stress = product(&transposed(&turn), &law.stress(&f).unwrap().1);
+        let e: f64 = stretch - 1.0;
+        let exact = [[5.0 * e, 0.0, 0.0], [0.0, 2.0 * e, 0.0], [0.0, 0.0, 2.0 * e]];
+        let close = |(a, b): (&f64, &f64)| (a - b).abs() < 1e-13;
+        assert!(stress.iter().flatten().zip(exact.iter().flatten()).all(close), "{stress:?}");
+        assert!((law.energy(&f).unwrap() - 2.5 * e * e).abs() < 1e-13);
+    }
+}
+
+#[test]
+fn an_inverted_point_has_no_neo_hookean_energy_and_a_finite_corotational_one() {
+    let [_, corotational, neo_hookean] = laws();
+    for f in inverted().into_iter().chain([[[0.0; 3]; 3], [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 0.0]]]) {
+        assert_eq!(neo_hookean.energy(&f), None);
+        assert_eq!(neo_hookean.stress(&f), None);
+        assert!(neo_hookean.tangent(&f, Projection::PositiveSemidefinite).is_none());
+        let (energy, stress, tangent) = corotational.tangent(&f, Projection::PositiveSemidefinite).unwrap();
+        assert!(energy.is_finite() && stress.iter().flatten().chain(tangent.iter().flatten()).all(|v| v.is_finite()));
+        assert!(eigenvalues(&tangent)[0] > -1e-13 * scale(&tangent));
+    }
+    assert_eq!(neo_hookean.energy(&[[f64::NAN; 3]; 3]), None);
+}
+
+#[test]
+fn a_factor_multiplies_energy_stress_and_tangent() {
+    let f = random(&mut ChaCha8Rng::seed_from_u64(13), 0.2);
+    for law in [Law::Linear, Law::Corotational, Law::NeoHookean] {
+        let one = PointLaw::of(&material(law), 1.0).tangent(&f, Projection::Exact).unwrap();
+        let four = PointLaw::of(&material(law), 4.0).tangent(&f, Projection::Exact).unwrap();
+        let close = |a: f64, b: f64| (4.0 * a - b).abs() <= 1e-14 * b.abs().max(1.0);
+        assert!(close(one.0, four.0));
+        assert!(one.1.iter().flatten().zip(four.1.iter().flatten()).all(|(a, b)| close(*a, *b)));
+        assert!(one.2.iter().flatten().zip(four.2.iter().flatten()).all(|(a, b)| close(*a, *b)));
+    }
+}
