@@ -61,6 +61,9 @@ impl PointPotential {
     pub fn renew_limit(&mut self, at: [f64; 3]) -> f64 {
         let Self::Ground { ground, stiffness, grip } = self else { return 0.0 };
         let now = ground.normal_force(*stiffness, at);
+        if grip.anchor.is_none() || ground.friction == 0.0 {
+            return 0.0;
+        }
         let change = (now - grip.normal_force).abs() / now.max(grip.normal_force).max(f64::MIN_POSITIVE);
         grip.normal_force = now;
         change

@@ -62,7 +62,7 @@ impl FineMechanics {
             held: vec![0.0; 3 * nodes],
             loads: vec![0.0; 3 * nodes],
             load_norm: 0.0,
-            shares: Vec::new(),
+            shares: vec![f64::NAN],
             points,
             settled: potentials.clone(),
             potentials,
@@ -263,7 +263,7 @@ impl Body for FineBody<'_> {
         }
         self.add_diagonals(displacement, weights.mass);
         let FineMechanics { tangents, solver, constraints, .. } = &mut *self.mechanics;
-        Ok(solver.update(tangents, constraints)?)
+        Ok(solver.update(tangents, constraints, true)?)
     }
 
     fn multiply(&self, vector: &[f64], product: &mut [f64]) {
@@ -272,8 +272,7 @@ impl Body for FineBody<'_> {
     }
 
     fn solve(&mut self, vector: &mut [f64], tolerance: f64) -> Result<LinearStep, TangentError> {
-        let FineMechanics { tangents, solver, .. } = &mut *self.mechanics;
-        let report = solver.solve(tangents, vector, tolerance)?;
+        let report = self.mechanics.solver.solve(vector, tolerance)?;
         Ok(LinearStep { iterations: report.iterations, relative_residual: report.relative_residual })
     }
 
@@ -308,7 +307,10 @@ impl Body for FineBody<'_> {
     }
 
     fn restore_friction(&mut self) {
-        let FineMechanics { settled, potentials, .. } = &mut *self.mechanics;
+        let FineMechanics { settled, potentials, shares, .. } = &mut *self.mechanics;
         potentials.clone_from(settled);
+        // Springs are set anew with the loads.
+        shares.clear();
+        shares.push(f64::NAN);
     }
 }

@@ -42,6 +42,17 @@ impl CellTangents {
         }
     }
 
+    /// Adds `factor` times other tangents of the same cells.
+    ///
+    /// # Panics
+    /// If the solid cells are others.
+    pub fn add(&mut self, factor: f64, other: &Self) {
+        assert_eq!(self.cells, other.cells, "tangents of the same cells");
+        self.matrices.par_iter_mut().zip(&other.matrices).for_each(|(to, from)| {
+            to.iter_mut().zip(from).for_each(|(to, from)| *to += factor * from);
+        });
+    }
+
     /// Makes the solid cells those of the model; what is there keeps its place if they are the same.
     pub(super) fn follow(&mut self, model: &FineModel) {
         let count = model.grid.lattice.cell_count();
