@@ -13,6 +13,15 @@ pub fn active_nodes(cells: &dyn CellStiffness) -> Vec<bool> {
     active
 }
 
+/// Bit r of entry n is set if node n touches a solid cell and its component r is not prescribed.
+pub fn free_components(cells: &dyn CellStiffness, constraints: &Constraints) -> Vec<u8> {
+    active_nodes(cells)
+        .iter()
+        .enumerate()
+        .map(|(n, active)| if *active { constraints.free_bits(n) } else { 0 })
+        .collect()
+}
+
 /// Prescribed displacement components of lattice nodes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Constraints {
@@ -43,6 +52,11 @@ impl Constraints {
     /// Whether no component of the node is prescribed.
     pub fn is_free(&self, node: usize) -> bool {
         self.fixed[node] == 0
+    }
+
+    /// Bit r is set if component r of the node is not prescribed.
+    pub fn free_bits(&self, node: usize) -> u8 {
+        7 & !self.fixed[node]
     }
 
     /// Number of prescribed components.

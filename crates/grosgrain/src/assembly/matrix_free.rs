@@ -8,7 +8,7 @@ use std::collections::HashMap;
 
 use rayon::prelude::*;
 
-use super::{CellStiffness, Constraints, active_nodes};
+use super::{CellStiffness, Constraints, free_components};
 use crate::element::CellMatrix;
 use crate::linalg::LinearOperator;
 use crate::mesh::{Cell, Lattice, Node};
@@ -126,12 +126,6 @@ impl LinearOperator for MatrixFree<'_> {
             }
         });
     }
-}
-
-/// Bit r of entry n is set if node n touches a solid cell and its component r is not prescribed.
-fn free_components(cells: &dyn CellStiffness, constraints: &Constraints) -> Vec<u8> {
-    let bits = |n: usize| (0..3).filter(|r| !constraints.is_fixed(n, *r)).fold(0, |bits, r| bits | 1 << r);
-    active_nodes(cells).iter().enumerate().map(|(n, active)| if *active { bits(n) } else { 0 }).collect()
 }
 
 #[derive(Default)]

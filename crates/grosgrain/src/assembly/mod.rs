@@ -7,7 +7,7 @@ mod matrix_free;
 mod window;
 
 pub use cell_stiffness::CellStiffness;
-pub use dof_map::{Constraints, active_nodes};
+pub use dof_map::{Constraints, active_nodes, free_components};
 pub use lattice_pattern::LatticePattern;
 pub use matrix_free::MatrixFree;
 pub use window::Window;

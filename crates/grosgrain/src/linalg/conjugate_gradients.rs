@@ -142,11 +142,12 @@ pub struct ConjugateGradients<'a> {
     operator: &'a dyn LinearOperator,
     projector: Option<&'a dyn Projector>,
     parameters: ConjugateGradientParameters,
-    scratch: Scratch,
+    scratch: ConjugateGradientWorkspace,
 }
 
-#[derive(Default)]
-struct Scratch {
+/// The four vectors of the iteration, kept between solvers of operators that change.
+#[derive(Clone, Debug, Default)]
+pub struct ConjugateGradientWorkspace {
     r: Vec<f64>,
     z: Vec<f64>,
     p: Vec<f64>,
@@ -156,7 +157,19 @@ struct Scratch {
 impl<'a> ConjugateGradients<'a> {
     /// A solver for `operator`.
     pub fn new(operator: &'a dyn LinearOperator, parameters: ConjugateGradientParameters) -> Self {
-        Self { operator, projector: None, parameters, scratch: Scratch::default() }
+        Self { operator, projector: None, parameters, scratch: ConjugateGradientWorkspace::default() }
+    }
+
+    /// The same with the vectors of an earlier solver, so that nothing is allocated for systems of its size.
+    #[must_use]
+    pub fn with_workspace(mut self, workspace: ConjugateGradientWorkspace) -> Self {
+        self.scratch = workspace;
+        self
+    }
+
+    /// The vectors for the next solver.
+    pub fn into_workspace(self) -> ConjugateGradientWorkspace {
+        self.scratch
     }
 
     /// The same for a singular operator whose kernel `projector` removes; b may have a part in the kernel,
@@ -199,7 +212,7 @@ impl<'a> ConjugateGradients<'a> {
     }
 }
 
-impl Scratch {
+impl ConjugateGradientWorkspace {
     fn resize(&mut self, n: usize) {
         for v in [&mut self.r, &mut self.z, &mut self.p, &mut self.q] {
             v.resize(n, 0.0);
@@ -225,7 +238,7 @@ impl System<'_> {
     fn solve(
         &self,
         x: &mut [f64],
-        scratch: &mut Scratch,
+        scratch: &mut ConjugateGradientWorkspace,
         preconditioner: &mut dyn Preconditioner,
         progress: Monitor,
     ) -> Result<ConjugateGradientInfo, ConjugateGradientError> {
@@ -254,9 +267,9 @@ impl System<'_> {
     }
 
     /// r = b − A x; returns ‖r‖ / ‖b‖.
-    fn true_residual(&self, x: &[f64], scratch: &mut Scratch) -> f64 {
+    fn true_residual(&self, x: &[f64], scratch: &mut ConjugateGradientWorkspace) -> f64 {
         self.operator.apply(x, &mut scratch.q);
-        let Scratch { r, q, .. } = scratch;
+        let ConjugateGradientWorkspace { r, q, .. } = scratch;
         r.par_iter_mut().zip(&*q).zip(self.b).with_min_len(4096).for_each(|((r, q), b)| *r = b - q);
         project(self.projector, r);
         norm(r) / self.scale
@@ -266,12 +279,12 @@ impl System<'_> {
     fn run(
         &self,
         x: &mut [f64],
-        scratch: &mut Scratch,
+        scratch: &mut ConjugateGradientWorkspace,
         preconditioner: &mut dyn Preconditioner,
         progress: Monitor,
         done: usize,
     ) -> Result<usize, ConjugateGradientError> {
-        let Scratch { r, z, p, q } = scratch;
+        let ConjugateGradientWorkspace { r, z, p, q } = scratch;
         let (mut rho, mut alpha) = (0.0, 0.0);
         for i in 1..=self.parameters.max_iterations - done {
             let iteration = done + i;

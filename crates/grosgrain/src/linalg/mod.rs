@@ -12,8 +12,8 @@ mod sparse_pattern;
 
 pub use cholesky::{Cholesky, CholeskyError, SymbolicCholesky};
 pub use conjugate_gradients::{
-    ConjugateGradientError, ConjugateGradientInfo, ConjugateGradientParameters, ConjugateGradients, Identity,
-    LinearOperator, Monitor, Preconditioner, Projector,
+    ConjugateGradientError, ConjugateGradientInfo, ConjugateGradientParameters, ConjugateGradientWorkspace,
+    ConjugateGradients, Identity, LinearOperator, Monitor, Preconditioner, Projector,
 };
 pub use dense_cholesky::{DenseCholesky, DenseCholeskyError};
 pub use multifrontal::{

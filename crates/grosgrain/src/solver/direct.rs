@@ -40,6 +40,16 @@ pub enum SolverError {
         /// Position of the coarse cell of its first element.
         at: [usize; 3],
     },
+    /// A tangent stiffness is not positive definite.
+    #[error(
+        "the tangent stiffness of {unknowns} unknowns is not positive definite ({evidence}); take the positive semi-definite projection of the Hessian, a shorter time step, or hold every part of the body"
+    )]
+    Indefinite {
+        /// Number of unknowns.
+        unknowns: usize,
+        /// The pivot or the curvature that shows it.
+        evidence: String,
+    },
     /// Conjugate gradients failed or were interrupted.
     #[error(transparent)]
     Iterative(#[from] ConjugateGradientError),

@@ -7,6 +7,7 @@ mod lattice_solver;
 pub mod multigrid;
 mod refined_cholesky;
 mod rigid_motions;
+mod tangent;
 
 pub use direct::{AnalysedLattice, DirectSolver, SolverError, Support};
 pub use element_system::ElementSystem;
@@ -14,6 +15,7 @@ pub use free_support::{free_support, six_components};
 pub use lattice_solver::{Hold, LatticeSystem, SolveReport, SolverChoice};
 pub use multigrid::{Cycle, Multigrid, MultigridError, MultigridParameters};
 pub use rigid_motions::RigidMotions;
+pub use tangent::{ElementTangent, LatticeTangent, LinearReport};
 
 /// Relative residual ‖f − K u‖ / ‖f‖ that every solution of a lattice system or a mesh of elements reaches. (Local training problems are eliminated from outside
 /// in without a solution for all unknowns, so there is no residual; see `training`.)

@@ -9,6 +9,7 @@ pub(super) struct Coarsest {
     /// Entries of the layout that have stiffness, in the order of the factor.
     unknowns: Vec<usize>,
     factor: DenseCholesky,
+    values: Vec<f64>,
 }
 
 impl Coarsest {
@@ -41,14 +42,16 @@ impl Coarsest {
         }
         let layout = Layout::rows(lattice);
         let place = |i: usize| layout.index(lattice.node_position(Node(i / 3))) + i % 3 * layout.component;
-        Ok(Self { unknowns: kept.into_iter().map(place).collect(), factor: DenseCholesky::new(n, matrix)? })
+        let unknowns = kept.into_iter().map(place).collect();
+        Ok(Self { unknowns, factor: DenseCholesky::new(n, matrix)?, values: vec![0.0; n] })
     }
 
     /// x = A⁻¹ b.
-    pub fn solve(&self, b: &[f64], x: &mut [f64]) {
-        let mut values: Vec<f64> = self.unknowns.iter().map(|i| b[*i]).collect();
-        self.factor.solve_in_place(&mut values);
+    pub fn solve(&mut self, b: &[f64], x: &mut [f64]) {
+        let Self { unknowns, factor, values } = self;
+        values.iter_mut().zip(&*unknowns).for_each(|(value, i)| *value = b[*i]);
+        factor.solve_in_place(values);
         x.fill(0.0);
-        self.unknowns.iter().zip(values).for_each(|(i, value)| x[*i] = value);
+        unknowns.iter().zip(values).for_each(|(i, value)| x[*i] = *value);
     }
 }

@@ -1,4 +1,5 @@
-//! A lattice operator stored as 27 blocks of 3×3 per node, in single precision, lanes of nodes along x.
+//! A lattice operator stored as 27 blocks of 3×3 per node, lanes of nodes along x: in single precision for the levels of a cycle, in
+//! double precision for a matrix to be solved with.
 
 use rayon::prelude::*;
 
@@ -8,25 +9,43 @@ use crate::element::CellMatrix;
 use crate::linalg::LinearOperator;
 use crate::mesh::Lattice;
 
+/// `f32` or `f64`.
+pub(super) trait Coefficient: Copy + Default + Into<f64> + Send + Sync {
+    /// Rounds to it.
+    fn of(value: f64) -> Self;
+}
+
+impl Coefficient for f32 {
+    fn of(value: f64) -> Self {
+        value as f32
+    }
+}
+
+impl Coefficient for f64 {
+    fn of(value: f64) -> Self {
+        value
+    }
+}
+
 /// Coefficients of [`LANES`] nodes: neighbour (x fastest), entry of the 3×3 block, lane.
-type Block = [[[f32; LANES]; 9]; 27];
+type Block<C> = [[[C; LANES]; 9]; 27];
 
 /// Inverse diagonal blocks of [`LANES`] nodes: entry of the upper triangle, lane.
 type InverseLanes = [[f32; LANES]; 6];
 
-pub(super) struct StencilLevel {
+pub(super) struct StencilLevel<C = f32> {
     lattice: Lattice,
     layout: Layout,
-    blocks: Vec<Block>,
+    blocks: Vec<Block<C>>,
     inverse: Vec<InverseLanes>,
 }
 
-impl StencilLevel {
+impl<C: Coefficient> StencilLevel<C> {
     /// An operator without entries; [`Self::set_layer`] fills it layer by layer.
     pub fn new(lattice: Lattice) -> Self {
         let [nx, ny, nz] = lattice.nodes();
         let count = nx.div_ceil(LANES) * ny * nz;
-        let blocks = vec![[[[0.0; LANES]; 9]; 27]; count];
+        let blocks = vec![[[[C::default(); LANES]; 9]; 27]; count];
         Self { lattice, layout: Layout::rows(lattice), blocks, inverse: vec![[[0.0; LANES]; 6]; count] }
     }
 
@@ -36,6 +55,18 @@ impl StencilLevel {
 
     /// Assembles the nodes of layer k from the layers of cells below and above it (empty where there is none).
     pub fn set_layer(&mut self, k: usize, below: &[CellMatrix], above: &[CellMatrix]) {
+        let cell = |index: usize, bit: usize| [below, above][bit].get(index).map(|matrix| (1.0, matrix));
+        self.set_layer_of(k, &cell, None);
+    }
+
+    /// The same from a function that gives factor and matrix of a cell by its index in the layer below (0) or above (1), with zero rows and columns where
+    /// bit r of a node's entry in `free` is not set.
+    pub fn set_layer_of<'m>(
+        &mut self,
+        k: usize,
+        cell: &(impl Fn(usize, usize) -> Option<(f64, &'m CellMatrix)> + Sync),
+        free: Option<&[u8]>,
+    ) {
         let per_row = self.blocks_per_row();
         let [nx, ny, _] = self.layout.nodes;
         let lattice = self.lattice;
@@ -44,10 +75,13 @@ impl StencilLevel {
         let inverses = self.inverse[range].par_chunks_mut(per_row);
         rows.zip(inverses).enumerate().for_each(|(j, (blocks, inverses))| {
             for i in 0..nx {
-                let stencil = node_stencil(lattice, [i, j], [below, above]);
+                let mut stencil = node_stencil(lattice, [i, j], cell);
+                if let Some(free) = free {
+                    hold(&mut stencil, lattice, [i, j, k], free);
+                }
                 let (block, inverse, lane) = (&mut blocks[i / LANES], &mut inverses[i / LANES], i % LANES);
                 for (entry, value) in stencil.iter().enumerate() {
-                    block[entry / 9][entry % 9][lane] = *value as f32;
+                    block[entry / 9][entry % 9][lane] = C::of(*value);
                 }
                 let diagonal = std::array::from_fn(|e| stencil[9 * 13 + e]);
                 invert(&diagonal).iter().enumerate().for_each(|(e, v)| inverse[e][lane] = *v as f32);
@@ -57,7 +91,11 @@ impl StencilLevel {
 }
 
 /// The 27 blocks of node (i, j) between two layers of cells.
-fn node_stencil(lattice: Lattice, at: [usize; 2], layers: [&[CellMatrix]; 2]) -> [f64; 243] {
+fn node_stencil<'m>(
+    lattice: Lattice,
+    at: [usize; 2],
+    cell: &impl Fn(usize, usize) -> Option<(f64, &'m CellMatrix)>,
+) -> [f64; 243] {
     let mut stencil = [0.0; 243];
     for octant in 0..8 {
         let bits = [octant & 1, octant >> 1 & 1, octant >> 2];
@@ -65,20 +103,39 @@ fn node_stencil(lattice: Lattice, at: [usize; 2], layers: [&[CellMatrix]; 2]) ->
         if i >= lattice.cells[0] || j >= lattice.cells[1] {
             continue;
         }
-        let Some(matrix) = layers[bits[2]].get(i + lattice.cells[0] * j) else { continue };
+        let Some((factor, matrix)) = cell(i + lattice.cells[0] * j, bits[2]) else { continue };
         let own = 7 - octant;
         for other in 0..8 {
             let place = |axis: usize| bits[axis] + (other >> axis & 1);
             let neighbour = place(0) + 3 * place(1) + 9 * place(2);
             for entry in 0..9 {
-                stencil[9 * neighbour + entry] += matrix[24 * (3 * own + entry / 3) + 3 * other + entry % 3];
+                stencil[9 * neighbour + entry] += factor * matrix[24 * (3 * own + entry / 3) + 3 * other + entry % 3];
             }
         }
     }
     stencil
 }
 
-impl LinearOperator for StencilLevel {
+/// Clears rows and columns of components that are no unknowns.
+fn hold(stencil: &mut [f64; 243], lattice: Lattice, at: [usize; 3], free: &[u8]) {
+    let own = free[lattice.node(at).0];
+    let [nx, ny, nz] = lattice.nodes();
+    for (n, block) in stencil.as_chunks_mut::<9>().0.iter_mut().enumerate() {
+        let [x, y, z] = [at[0] + n % 3, at[1] + n / 3 % 3, at[2] + n / 9];
+        let is_inside = (1..=nx).contains(&x) && (1..=ny).contains(&y) && (1..=nz).contains(&z);
+        let bits = if is_inside { free[lattice.node([x - 1, y - 1, z - 1]).0] } else { 0 };
+        if own & bits == 7 {
+            continue;
+        }
+        for (entry, value) in block.iter_mut().enumerate() {
+            if own >> (entry / 3) & bits >> (entry % 3) & 1 == 0 {
+                *value = 0.0;
+            }
+        }
+    }
+}
+
+impl<C: Coefficient> LinearOperator for StencilLevel<C> {
     fn apply(&self, x: &[f64], y: &mut [f64]) {
         let layout = self.layout;
         let per_row = self.blocks_per_row();
@@ -95,15 +152,15 @@ impl LinearOperator for StencilLevel {
 }
 
 /// One row of nodes of y = A x.
-struct Row<'r> {
-    blocks: &'r [Block],
+struct Row<'r, C> {
+    blocks: &'r [Block<C>],
     x: &'r [f64],
     y: &'r mut [f64],
     at: [usize; 2],
     layout: Layout,
 }
 
-impl pulp::NullaryFnOnce for Row<'_> {
+impl<C: Coefficient> pulp::NullaryFnOnce for Row<'_, C> {
     type Output = ();
 
     #[inline(always)]
@@ -135,17 +192,17 @@ fn lanes(row: &[f64], from: usize) -> [f64; LANES] {
 
 /// sum_r += Σ_c entries_rc · values_c, lane by lane; one loop over lanes becomes one vector register per array.
 #[inline(always)]
-fn add_products(entries: &[[f32; LANES]; 9], values: &[[f64; LANES]; 3], sum: &mut [[f64; LANES]; 3]) {
+fn add_products<C: Coefficient>(entries: &[[C; LANES]; 9], values: &[[f64; LANES]; 3], sum: &mut [[f64; LANES]; 3]) {
     for (r, sum) in sum.iter_mut().enumerate() {
         for (c, values) in values.iter().enumerate() {
             for l in 0..LANES {
-                sum[l] = f64::from(entries[3 * r + c][l]).mul_add(values[l], sum[l]);
+                sum[l] = entries[3 * r + c][l].into().mul_add(values[l], sum[l]);
             }
         }
     }
 }
 
-impl Level for StencilLevel {
+impl<C: Coefficient> Level for StencilLevel<C> {
     fn layout(&self) -> Layout {
         self.layout
     }

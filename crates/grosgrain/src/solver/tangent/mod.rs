@@ -1,0 +1,35 @@
+//! Newton systems (K + shift M) x = r: the matrices change in every iteration, the pattern stays, tolerances are loose.
+
+mod block_matrix;
+mod element;
+mod lagged_factor;
+mod lattice;
+mod lattice_cycle;
+
+pub use element::ElementTangent;
+pub use lattice::LatticeTangent;
+
+use super::SolverError;
+use crate::linalg::ConjugateGradientError;
+
+/// How a Newton system was solved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LinearReport {
+    /// Iterations of conjugate gradients, those with a preconditioner that was given up included.
+    pub iterations: usize,
+    /// True ‖f − K x‖ / ‖f‖.
+    pub relative_residual: f64,
+    /// Whether the preconditioner was renewed during the solve.
+    pub refactored: bool,
+}
+
+/// Negative curvature as an error of its own.
+fn indefinite(error: ConjugateGradientError, unknowns: usize) -> SolverError {
+    match error {
+        ConjugateGradientError::Indefinite { what, value, iteration } => {
+            let evidence = format!("{what} has the quadratic form {value:.2e} in iteration {iteration}");
+            SolverError::Indefinite { unknowns, evidence }
+        }
+        other => other.into(),
+    }
+}
