@@ -112,7 +112,8 @@ const LOOSEST: f64 = 0.1;
 /// The minimum near `u`, whose prescribed components are already in place.
 ///
 /// Steps with the exact Hessian where it is positive definite and with the projected one where it is not; linear systems are solved to
-/// min(0.1, √r) of the relative residual r; steps are halved until the energy falls and no cell is inverted.
+/// min(0.1, √r) of the relative residual r; steps are halved until the energy falls and no cell is inverted. Where the
+/// energy can fall by no more than rounding and the residual stays, the iteration ends too: rounding keeps it above the tolerance.
 ///
 /// # Errors
 /// A start that is inverted, a line search that ends, too many iterations, a linear system that is not solved.
@@ -138,7 +139,12 @@ pub fn minimise(
         let forcing = LOOSEST.min(state.residual.sqrt()).max(0.2 * options.tolerance / state.residual).min(0.5);
         let slope = workspace.find_step(body, inertia, (u, forcing), &mut projection, &mut report)?;
         report.iterations += 1;
-        state = workspace.search(body, inertia, (u, slope), &state)?;
+        let before = state;
+        state = workspace.search(body, inertia, (u, slope), &before)?;
+        if -slope <= ROUNDING * before.scale && state.residual > 0.5 * before.residual {
+            report.relative_residual = state.residual;
+            return Ok(report);
+        }
         if projection == Projection::PositiveSemidefinite && state.full_step {
             projection = Projection::Exact;
         }
