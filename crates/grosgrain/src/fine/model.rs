@@ -127,6 +127,12 @@ impl FineModel {
         Some(material.elasticity.tensor().scaled(self.factors[cell.0]))
     }
 
+    /// Index of a cell's material in [`materials`](Self::materials) and the factor of its moduli, `None` for a void.
+    pub fn material_of(&self, cell: Cell) -> Option<(usize, f64)> {
+        let material = self.material_of[cell.0];
+        (material != VOID).then(|| (usize::from(material), self.factors[cell.0]))
+    }
+
     /// Density of a cell \[kg/m³\], zero for a void.
     pub fn density(&self, cell: Cell) -> f64 {
         let Some((_, material)) = self.materials.get(usize::from(self.material_of[cell.0])) else { return 0.0 };

@@ -1,0 +1,73 @@
+//! How the energy of an element is found from its fine cells.
+
+use crate::element::{CellMatrix, Hex8, gauss_2x2x2, trilinear_gradients};
+use crate::fine::FineModel;
+use crate::material::{Material, PointLaw};
+
+/// How the elastic energy of an element depends on its displacement v in the rotated frame. All have the same stiffness at rest.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Integration {
+    /// The material's law at the 2×2×2 Gauss points of every fine cell, as in the fine model.
+    Gauss,
+    /// The material's law at the centre of every fine cell, and ½ v·K v for what the centre does not see: K is the difference of the
+    /// stiffnesses with eight points and with one.
+    Centre,
+    /// ½ v·K̄ v with the stiffness K̄ of the coarse model: the law does not matter, and all fine cells of the element rotate with it.
+    #[default]
+    Stiffness,
+}
+
+/// Points of a fine cell: weight times volume \[m³\], and the gradients of the eight weights \[1/m\].
+pub(super) type Rule = Vec<(f64, [[f64; 3]; 8])>;
+
+impl Integration {
+    /// The points at which a fine cell evaluates its law.
+    pub(super) fn rule(self, spacing: [f64; 3]) -> Rule {
+        let volume: f64 = spacing.iter().product();
+        let gradients = |at: [f64; 3]| trilinear_gradients(at).map(|g| std::array::from_fn(|a| g[a] / spacing[a]));
+        match self {
+            Self::Gauss => gauss_2x2x2().iter().map(|p| (p.weight * volume, gradients(p.at))).collect(),
+            Self::Centre => vec![(volume, gradients([0.5; 3]))],
+            Self::Stiffness => Vec::new(),
+        }
+    }
+}
+
+/// What the cells of one material share, for a factor of one.
+#[derive(Clone, Debug)]
+pub(super) struct SharedMaterial {
+    pub law: PointLaw,
+    /// Stiffness of a fine cell with eight points \[N/m\].
+    pub stiffness: CellMatrix,
+    /// The same less that with one point \[N/m\].
+    pub unseen_by_centre: CellMatrix,
+}
+
+impl SharedMaterial {
+    /// The materials of `model`, by index.
+    pub fn all(model: &FineModel) -> Vec<Self> {
+        let cell = Hex8::new(model.grid().spacing);
+        let centre = cell.strain_matrix([0.5; 3]);
+        let of_material = |material: &Material| {
+            let tensor = material.elasticity.tensor();
+            let stiffness = cell.stiffness(&tensor);
+            let c = tensor.voigt();
+            let one_point = |a: usize, b: usize| -> f64 {
+                let sum: f64 = (0..36).map(|n| centre[n / 6][a] * c[n / 6][n % 6] * centre[n % 6][b]).sum();
+                cell.volume() * sum
+            };
+            let mut unseen_by_centre = stiffness;
+            for (a, b) in (0..24).flat_map(|a| (a..24).map(move |b| (a, b))) {
+                unseen_by_centre[24 * a + b] -= one_point(a, b);
+                unseen_by_centre[24 * b + a] = unseen_by_centre[24 * a + b];
+            }
+            Self { law: PointLaw::of(material, 1.0), stiffness, unseen_by_centre }
+        };
+        model.materials().iter().map(|(_, material)| of_material(material)).collect()
+    }
+
+    /// Whether the material keeps to small displacements.
+    pub fn is_linear(&self) -> bool {
+        matches!(self.law, PointLaw::Linear(_))
+    }
+}

@@ -1,0 +1,100 @@
+//! Products with the shape functions of an element, compiled for the widest registers.
+
+use super::frame::Columns;
+use crate::coarsening::COLUMNS;
+
+/// u = W v for the rows W of `functions`.
+///
+/// # Panics
+/// Panics when there are not 24 functions per entry of `u`.
+pub(super) fn prolong(functions: &[f64], v: &Columns, u: &mut [f64]) {
+    assert_eq!(functions.len(), COLUMNS * u.len(), "one row per entry");
+    pulp::Arch::new().dispatch(Prolong { functions: functions.as_chunks().0, v, u });
+}
+
+/// g += Wᵀ f.
+///
+/// # Panics
+/// Panics when there are not 24 functions per entry of `f`.
+pub(super) fn add_restricted(functions: &[f64], f: &[f64], g: &mut Columns) {
+    assert_eq!(functions.len(), COLUMNS * f.len(), "one row per entry");
+    pulp::Arch::new().dispatch(Restrict { functions: functions.as_chunks().0, f, g });
+}
+
+/// M = Σ_a c_a ⊗ W_a, rows 3 i + j: the map from v to Σ_a (W_a v)_i c_a,j. `rows` are the 24 rows of W at the corners of a fine cell.
+pub(super) fn gradient_map(rows: &[Columns; COLUMNS], slopes: &[[f64; 3]; 8]) -> [Columns; 9] {
+    let mut map = [[0.0; COLUMNS]; 9];
+    pulp::Arch::new().dispatch(GradientMap { rows, slopes, map: &mut map });
+    map
+}
+
+struct Prolong<'a> {
+    functions: &'a [Columns],
+    v: &'a Columns,
+    u: &'a mut [f64],
+}
+
+impl pulp::WithSimd for Prolong<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, simd: S) {
+        let v = S::as_simd_f64s(self.v).0;
+        for (row, u) in self.functions.iter().zip(self.u) {
+            let mut sum = simd.splat_f64s(0.0);
+            for (w, v) in S::as_simd_f64s(row).0.iter().zip(v) {
+                sum = simd.mul_add_f64s(*w, *v, sum);
+            }
+            *u = simd.reduce_sum_f64s(sum);
+        }
+    }
+}
+
+struct Restrict<'a> {
+    functions: &'a [Columns],
+    f: &'a [f64],
+    g: &'a mut Columns,
+}
+
+impl pulp::WithSimd for Restrict<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, simd: S) {
+        for (row, f) in self.functions.iter().zip(self.f) {
+            let f = simd.splat_f64s(*f);
+            for (g, w) in S::as_mut_simd_f64s(self.g).0.iter_mut().zip(S::as_simd_f64s(row).0) {
+                *g = simd.mul_add_f64s(f, *w, *g);
+            }
+        }
+    }
+}
+
+struct GradientMap<'a> {
+    rows: &'a [Columns; COLUMNS],
+    slopes: &'a [[f64; 3]; 8],
+    map: &'a mut [Columns; 9],
+}
+
+impl pulp::WithSimd for GradientMap<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, simd: S) {
+        for vector in 0..COLUMNS / S::F64_LANES {
+            let mut sums = [simd.splat_f64s(0.0); 9];
+            for (a, slope) in self.slopes.iter().enumerate() {
+                let slope = slope.map(|s| simd.splat_f64s(s));
+                for i in 0..3 {
+                    let row = S::as_simd_f64s(&self.rows[3 * a + i]).0[vector];
+                    for j in 0..3 {
+                        sums[3 * i + j] = simd.mul_add_f64s(slope[j], row, sums[3 * i + j]);
+                    }
+                }
+            }
+            for (row, sum) in self.map.iter_mut().zip(sums) {
+                S::as_mut_simd_f64s(row).0[vector] = sum;
+            }
+        }
+    }
+}
