@@ -107,6 +107,11 @@ impl CoarseModel {
         &self.mass
     }
 
+    /// What element number `index` adds to the masses \[kg\] of its corners.
+    pub fn corner_mass(&self, index: usize) -> &[f64; 8] {
+        &self.corner_mass.values()[index]
+    }
+
     /// The model as a lattice, where its mesh is one.
     pub fn as_lattice(&self) -> Option<CoarseLattice<'_>> {
         CoarseLattice::new(&self.mesh, self.stiffness.values().iter().map(AsRef::as_ref).collect())

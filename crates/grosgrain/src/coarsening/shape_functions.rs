@@ -89,6 +89,15 @@ impl ShapeFunctions {
         Self { rows, fitted }
     }
 
+    /// A copy of the functions of these elements; trilinear ones where an element has none.
+    pub fn of_elements(&self, partition: &Partition, elements: &[CellPart]) -> Self {
+        let base = BaseFunctions::trilinear(partition.degree());
+        let trilinear = || Fitted { functions: base.functions().into(), fit: None };
+        let find = |element: &CellPart| self.elements().binary_search(element).ok();
+        let fitted = elements.iter().map(|e| find(e).map_or_else(trilinear, |at| self.fitted.values()[at].clone()));
+        Self { rows: self.rows, fitted: PerElement::new(elements.to_vec(), fitted.collect()) }
+    }
+
     /// The elements, in the order of their functions.
     pub fn elements(&self) -> &[CellPart] {
         self.fitted.elements()

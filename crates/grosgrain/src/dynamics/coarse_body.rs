@@ -5,11 +5,13 @@ use std::collections::BTreeMap;
 use super::conditions::NodePotential;
 use super::{Body, Conditions, Energies, Inversion, LinearStep, Moment, QuadraticWeights, State, TangentError};
 use crate::assembly::Constraints;
-use crate::coarse::corotated::{Corotated, CorotatedError, EmbeddedPoint, Integration, PenaltyPoint};
-use crate::coarse::{CoarseModel, Embedding, SupportedCoarse};
+use crate::coarse::{
+    CoarseModel, Corotated, CorotatedError, EmbeddedPoint, Embedding, Integration, Potential, SupportedCoarse,
+};
 use crate::contact::{Grip, PointPotential};
 use crate::element::CellMatrix;
 use crate::fine::FineModel;
+use crate::linalg::matrix3::Matrix3;
 use crate::linalg::norm;
 use crate::material::Projection;
 use crate::mesh::Node;
@@ -45,11 +47,18 @@ pub struct CoarseMechanics {
     positions: Vec<[f64; 3]>,
 }
 
+/// TEMPORARY
+struct PenaltyPoint {
+    point: EmbeddedPoint,
+    stiffness: f64,
+    nodes: Vec<(Node, f64)>,
+}
+
 /// Where the potential of an embedded point comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Source {
-    /// A share of that of a fine node, in an element.
-    Node { number: usize, share: f64, element: CellPart },
+    /// That of a fine node, in an element.
+    Node { number: usize, element: CellPart },
     /// Held fine nodes inside a coarse cell.
     Penalty { number: usize },
 }
@@ -58,7 +67,6 @@ enum Source {
 pub struct CoarseBody<'a> {
     fine: &'a FineModel,
     coarse: &'a CoarseModel,
-    embedding: &'a Embedding<'a>,
     mechanics: &'a mut CoarseMechanics,
 }
 
@@ -155,19 +163,19 @@ impl CoarseMechanics {
         self.sources.clear();
         for (number, of_node) in self.nodes.iter().enumerate() {
             for point in EmbeddedPoint::of_node(coarse, of_node.node) {
-                let element = coarse.elements()[point.element];
-                self.sources.push(Source::Node { number, share: point.share, element });
+                let element = coarse.elements()[point.element as usize];
+                self.sources.push(Source::Node { number, element });
                 points.push(point);
             }
         }
         for (number, penalty) in self.penalties.iter().enumerate() {
             self.sources.push(Source::Penalty { number });
-            points.push(penalty.point.clone());
+            points.push(penalty.point);
         }
         self.corotated.set_points(points);
         let nodes = &self.nodes;
         let potential = |source: &Source| match *source {
-            Source::Node { number, share, .. } => nodes[number].at(0.0, share),
+            Source::Node { number, .. } => nodes[number].at(0.0),
             Source::Penalty { .. } => PointPotential::Spring { stiffness: 0.0, target: [0.0; 3] },
         };
         self.potentials = self.sources.iter().map(potential).collect();
@@ -175,13 +183,8 @@ impl CoarseMechanics {
     }
 
     /// The models, ready for steps.
-    pub fn on<'a>(
-        &'a mut self,
-        fine: &'a FineModel,
-        coarse: &'a CoarseModel,
-        embedding: &'a Embedding<'a>,
-    ) -> CoarseBody<'a> {
-        CoarseBody { fine, coarse, embedding, mechanics: self }
+    pub fn on<'a>(&'a mut self, fine: &'a FineModel, coarse: &'a CoarseModel) -> CoarseBody<'a> {
+        CoarseBody { fine, coarse, mechanics: self }
     }
 
     /// What acts on the body.
@@ -203,11 +206,18 @@ impl CoarseMechanics {
     }
 }
 
+impl Potential for PointPotential {
+    fn evaluate(&self, x: [f64; 3]) -> (f64, [f64; 3], Matrix3) {
+        let response = PointPotential::evaluate(self, x);
+        (response.energy, response.gradient, response.hessian)
+    }
+}
+
 impl From<CorotatedError> for Inversion {
     fn from(error: CorotatedError) -> Self {
         match error {
             CorotatedError::Collapsed { at, determinant } => Self::CoarseCell { at, determinant },
-            CorotatedError::Inverted { at, determinant } => Self::Cell { at, determinant },
+            CorotatedError::Inverted(inverted) => inverted.into(),
         }
     }
 }
@@ -216,8 +226,8 @@ impl CoarseBody<'_> {
     /// Finds which vertices are held and which nodes by penalty, for the marked fine nodes.
     fn hold(&mut self, fixed: Vec<bool>) {
         let m = &mut *self.mechanics;
-        let supported = SupportedCoarse::new(self.coarse, self.embedding, &fixed);
-        m.penalties = supported.penalty_points();
+        let supported = SupportedCoarse::new(self.coarse, &Embedding::new(self.coarse), &fixed);
+        m.penalties = Vec::new();
         m.constraints = supported.constraints;
         m.fixed = fixed;
         let kept: Vec<PointPotential> = std::mem::take(&mut m.settled);
@@ -264,12 +274,13 @@ impl CoarseBody<'_> {
             return;
         }
         m.conditions.loads_at(moment.loads, moment.share, &mut m.loads);
-        m.load_norm = norm(&self.embedding.restrict(&m.loads));
-        m.corotated.set_loads(self.coarse, self.embedding, &m.loads);
+        let embedding = Embedding::new(self.coarse);
+        m.load_norm = norm(&embedding.restrict(&m.loads));
+        m.corotated.set_loads(self.coarse, &embedding, &m.loads);
         m.shares = shares;
         for (source, potential) in m.sources.iter().zip(&mut m.potentials) {
-            if let (Source::Node { number, share, .. }, PointPotential::Spring { .. }) = (source, &*potential) {
-                *potential = m.nodes[*number].at(moment.loads, *share);
+            if let (Source::Node { number, .. }, PointPotential::Spring { .. }) = (source, &*potential) {
+                *potential = m.nodes[*number].at(moment.loads);
             }
         }
     }
@@ -284,12 +295,7 @@ impl CoarseBody<'_> {
 }
 
 /// product += factor Σ K_e v_e.
-fn add_products(
-    (corners, matrices): (&[[u32; 8]], &[CellMatrix]),
-    factor: f64,
-    vector: &[f64],
-    product: &mut [f64],
-) {
+fn add_products((corners, matrices): (&[[u32; 8]], &[CellMatrix]), factor: f64, vector: &[f64], product: &mut [f64]) {
     for (corners, matrix) in corners.iter().zip(matrices) {
         let at = |i: usize| 3 * corners[i / 3] as usize + i % 3;
         let local: [f64; 24] = std::array::from_fn(|i| vector[at(i)]);
@@ -379,7 +385,9 @@ impl Body for CoarseBody<'_> {
     fn lag_damping(&mut self, displacement: &[f64]) -> Result<(), Inversion> {
         let CoarseMechanics { corotated, potentials, lagged, .. } = &mut *self.mechanics;
         lagged.resize(self.coarse.elements().len(), [0.0; 576]);
-        Ok(corotated.tangents(self.coarse, displacement, potentials, Projection::PositiveSemidefinite, lagged)?)
+        // The material is damped, not what it rests on.
+        let silent = vec![PointPotential::Spring { stiffness: 0.0, target: [0.0; 3] }; potentials.len()];
+        Ok(corotated.tangents(self.coarse, displacement, &silent, Projection::PositiveSemidefinite, lagged)?)
     }
 
     fn add_damping(&self, factor: f64, vector: &[f64], product: &mut [f64]) {

@@ -106,16 +106,13 @@ impl Conditions {
 }
 
 impl NodePotential {
-    /// The potential as it acts at a time, on a `part` of the node.
-    pub fn at(&self, time: f64, part: f64) -> PointPotential {
-        let factor = part * self.schedule.share(time);
+    /// The potential as it acts at a time.
+    pub fn at(&self, time: f64) -> PointPotential {
         match self.potential {
             PointPotential::Spring { stiffness, target } => {
-                PointPotential::Spring { stiffness: factor * stiffness, target }
+                PointPotential::Spring { stiffness: self.schedule.share(time) * stiffness, target }
             }
-            PointPotential::Ground { ground, stiffness, grip } => {
-                PointPotential::Ground { ground, stiffness: factor * stiffness, grip }
-            }
+            ground => ground,
         }
     }
 }

@@ -7,8 +7,8 @@ use super::{Body, Conditions, Energies, Inversion, LinearStep, Moment, Quadratic
 use crate::assembly::{CellStiffness, Constraints};
 use crate::contact::{Grip, PointPotential};
 use crate::fine::{CellTangents, FineForces, FineModel, InvertedCell};
-use crate::linalg::norm;
 use crate::linalg::matrix3::Matrix3;
+use crate::linalg::norm;
 use crate::material::Projection;
 use crate::mesh::{Cell, Node};
 use crate::solver::LatticeTangent;
@@ -50,7 +50,7 @@ impl FineMechanics {
     pub fn new(model: &FineModel, conditions: Conditions) -> Result<Self, TangentError> {
         let nodes = model.grid().lattice.node_count();
         let points = conditions.node_potentials(model);
-        let potentials: Vec<PointPotential> = points.iter().map(|p| p.at(0.0, 1.0)).collect();
+        let potentials: Vec<PointPotential> = points.iter().map(|p| p.at(0.0)).collect();
         Ok(Self {
             conditions,
             forces: FineForces::new(model),
@@ -215,7 +215,7 @@ impl Body for FineBody<'_> {
             m.shares = shares;
             for (point, potential) in m.points.iter().zip(&mut m.potentials) {
                 if let PointPotential::Spring { .. } = potential {
-                    *potential = point.at(moment.loads, 1.0);
+                    *potential = point.at(moment.loads);
                 }
             }
         }

@@ -73,7 +73,9 @@ pub struct StepReport {
 
 /// A step that was not made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("no solution for the step to {time:.6} s, even in parts of {smallest:.2e} s: {reason}; use a smaller step, or move the body more slowly")]
+#[error(
+    "no solution for the step to {time:.6} s, even in parts of {smallest:.2e} s: {reason}; use a smaller step, or move the body more slowly"
+)]
 pub struct StepError {
     /// The end of the smallest part that failed \[s\].
     pub time: f64,
@@ -226,11 +228,7 @@ impl Stepper {
         }
     }
 
-    fn minimise(
-        &mut self,
-        body: &mut dyn Body,
-        weights: QuadraticWeights,
-    ) -> Result<NewtonReport, NewtonError> {
+    fn minimise(&mut self, body: &mut dyn Body, weights: QuadraticWeights) -> Result<NewtonReport, NewtonError> {
         let inertia = Inertia { weights, centre: &self.centre, from: &self.start };
         let mut total = NewtonReport::default();
         for _ in 0..FRICTION_ROUNDS {

@@ -1,6 +1,7 @@
 //! Motion: static equilibrium of linear and of nonlinear bodies, and steps in time, fine and coarse; what holds and loads bodies over time.
 
 mod body;
+mod coarse_body;
 mod conditions;
 mod equilibrium;
 mod fine_body;
@@ -13,6 +14,7 @@ mod state;
 mod static_solve;
 
 pub use body::{Body, Energies, Inversion, LinearStep, Moment, QuadraticWeights, TangentError};
+pub use coarse_body::{CoarseBody, CoarseMechanics};
 pub use conditions::{Conditions, NodeSpring, Schedule, TimedLoad};
 pub use equilibrium::{EquilibriumError, EquilibriumOptions, EquilibriumReport, LoadPath, find_equilibrium};
 pub use fine_body::{FineBody, FineMechanics};

@@ -4,19 +4,11 @@ use std::time::Instant;
 
 use super::{Edit, Editor, LiveCoarse, LiveError, LiveOptions, UpdateReport, resolve_all};
 use crate::coarse::CoarseModel;
+use crate::dynamics::State;
 use crate::fine::{CellState, FineModel};
 use crate::mesh::Cell;
 use crate::progress::{Progress, silent};
 use crate::training::TrainingKind;
-
-/// Motion of the vertices of a coarse model, three numbers each; see [`CoarseMesh::vertices`](crate::partition::CoarseMesh::vertices).
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct CoarseState {
-    /// Displacement \[m\].
-    pub displacement: Vec<f64>,
-    /// Velocity \[m/s\].
-    pub velocity: Vec<f64>,
-}
 
 /// A body, its coarse model and the motion of that, kept together through edits (`he2022fast`).
 ///
@@ -26,7 +18,7 @@ pub struct LiveModel {
     fine: FineModel,
     coarse: LiveCoarse,
     /// Displacement and velocity of the coarse vertices: yours to step; carried across edits.
-    pub state: CoarseState,
+    pub state: State,
     editor: Editor,
     held: Vec<bool>,
 }
@@ -49,8 +41,8 @@ impl LiveModel {
     ) -> Result<Self, LiveError> {
         assert_eq!(held.len(), fine.grid().lattice.node_count(), "one entry per node");
         let coarse = LiveCoarse::new(&fine, degree, options, &mut UpdateReport::default(), progress)?;
-        let unknowns = 3 * coarse.model().mesh().vertices().len();
-        let state = CoarseState { displacement: vec![0.0; unknowns], velocity: vec![0.0; unknowns] };
+        let vertices = coarse.model().mesh().vertices().len();
+        let state = State::rest(vertices);
         let editor = Editor::new(options.undo_depth, options.loose);
         Ok(Self { fine, coarse, state, editor, held })
     }

@@ -19,6 +19,10 @@ pub struct LiveCoarse {
     trainer: Trainer,
     training: TrainingKind,
     fitter: ElementFitter,
+    /// Whether edits train and fit anew.
+    renews_functions: bool,
+    /// The elements that the last renewal has made anew.
+    renewed: Vec<CellPart>,
 }
 
 impl LiveCoarse {
@@ -35,7 +39,7 @@ impl LiveCoarse {
     ) -> Result<Self, LiveError> {
         let partition = Partition::new(fine.grid().lattice, degree)?;
         let void = &fine.grid().void;
-        let mesh = match options.split {
+        let mesh = match options.split && options.renew_functions {
             true => CoarseMesh::new(void, &partition),
             false => CoarseMesh::unsplit(void, &partition),
         };
@@ -52,7 +56,8 @@ impl LiveCoarse {
         report.dirty = mesh.elements().len();
         let model = CoarseModel::galerkin(fine, mesh, functions);
         report.seconds.assembly = lap();
-        Ok(Self { model, trainer, training, fitter })
+        let renewed = model.elements().to_vec();
+        Ok(Self { model, trainer, training, fitter, renews_functions: options.renew_functions, renewed })
     }
 
     /// The coarse model.
@@ -63,6 +68,11 @@ impl LiveCoarse {
     /// The training that was chosen.
     pub fn training(&self) -> TrainingKind {
         self.training
+    }
+
+    /// The elements that the first build or the last renewal has made anew, ascending.
+    pub fn renewed(&self) -> &[CellPart] {
+        &self.renewed
     }
 
     /// Trains, fits and assembles again what depends on the `changed` cells of `fine`, which has changed there and nowhere else since the last
@@ -86,17 +96,29 @@ impl LiveCoarse {
             mesh.update(&fine.grid().void, &changed_cells);
         }
         let of_cell = |cell: &CoarseCell| mesh.elements()[mesh.elements_of(*cell)].iter().copied();
-        let dirty: Vec<CellPart> = self.trainer.reach(&changed_cells).iter().flat_map(of_cell).collect();
+        let reach = match self.renews_functions {
+            true => self.trainer.reach(&changed_cells),
+            false => changed_cells.clone(),
+        };
+        let dirty: Vec<CellPart> = reach.iter().flat_map(of_cell).collect();
         report.seconds.topology = lap();
-        let data = self.trainer.train(fine, &mesh, (&changed_cells, &dirty), progress)?;
-        report.seconds.training = lap();
-        let functions = self.fitter.fit(fine, &mesh, &data, progress)?;
+        let functions = match self.renews_functions {
+            true => {
+                let data = self.trainer.train(fine, &mesh, (&changed_cells, &dirty), progress)?;
+                report.seconds.training = lap();
+                self.fitter.fit(fine, &mesh, &data, progress)?
+            }
+            false => self.model.functions().of_elements(mesh.partition(), &dirty),
+        };
         report.seconds.fitting = lap();
-        self.trainer.settle();
+        if self.renews_functions {
+            self.trainer.settle();
+        }
         let old = topology.then(|| self.model.mesh().clone());
         self.model.replace(fine, mesh, functions);
         report.seconds.assembly = lap();
-        (report.changed_fine, report.changed, report.dirty) = (changed.len(), changed_cells.len(), dirty.len());
+        self.renewed = dirty;
+        (report.changed_fine, report.changed, report.dirty) = (changed.len(), changed_cells.len(), self.renewed.len());
         Ok(old)
     }
 

@@ -13,7 +13,7 @@ pub use apply::{Applied, Editor};
 pub use batch::{Batch, resolve_all};
 pub use edit::{BatchError, Change, Edit, EditError, Region, Resolved};
 pub use history::History;
-pub use live::{CoarseState, LiveModel};
+pub use live::LiveModel;
 pub use live_coarse::LiveCoarse;
 pub use loose::{LooseParts, LooseReport, LooseSearch};
 pub use report::{LiveError, LiveOptions, UpdateReport, UpdateSeconds};

@@ -16,6 +16,9 @@ pub struct LiveOptions {
     pub base: BaseKind,
     /// Whether the parts of a coarse cell that an edit separates get elements of their own.
     pub split: bool,
+    /// Whether an edit renews shape functions. If not, they stay what the first body gave, on a mesh without split cells, and only
+    /// stiffness and masses follow: what coarsening can do without local updates.
+    pub renew_functions: bool,
     /// What happens to parts that are cut loose.
     pub loose: LooseParts,
     /// Number of updates that can be undone.
@@ -29,6 +32,7 @@ impl Default for LiveOptions {
             data_tolerance: None,
             base: BaseKind::Harmonic,
             split: true,
+            renew_functions: true,
             loose: LooseParts::Drop,
             undo_depth: 32,
         }
