@@ -57,7 +57,7 @@ impl<const M: usize, const R: usize> pulp::WithSimd for Congruence<'_, M, R> {
 
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, simd: S) {
-        const { assert!(M % R == 0, "R divides M") };
+        const { assert!(M.is_multiple_of(R), "R divides M") };
         let mut forces = [[0.0; COLUMNS]; M];
         let factor = simd.splat_f64s(self.factor);
         for vector in 0..COLUMNS / S::F64_LANES {

@@ -16,4 +16,4 @@ pub use embedding::Embedding;
 pub use galerkin::galerkin_stiffness;
 pub use lattice::CoarseLattice;
 pub use model::CoarseModel;
-pub use support::SupportedCoarse;
+pub use support::{PenaltyPoint, SupportedCoarse};

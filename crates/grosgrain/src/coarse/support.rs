@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeSet, HashMap};
 
-use super::{CoarseLattice, CoarseModel, Embedding};
+use super::{CoarseLattice, CoarseModel, EmbeddedPoint, Embedding};
 use crate::assembly::Constraints;
 use crate::coarsening::COLUMNS;
 use crate::element::{CellMatrix, trilinear};
@@ -13,6 +13,33 @@ use crate::solver::SolverError;
 const PENALTY: f64 = 1e4;
 /// A fine node is covered when the trilinear weights of fixed corners sum to one within this.
 const COVERED: f64 = 1e-9;
+
+/// A trilinear moment of fixed fine nodes in an element, held by a spring of the same stiffness along all axes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PenaltyPoint {
+    /// The weighted mean of the nodes as the element moves them.
+    pub point: EmbeddedPoint,
+    /// Stiffness of the spring \[N/m\].
+    pub stiffness: f64,
+    /// Fine lattice nodes and their weights, which add up to one: the spring pulls to the same mean of their prescribed positions.
+    pub nodes: Vec<(u32, f64)>,
+}
+
+impl PenaltyPoint {
+    fn new(coarse: &CoarseModel, element: usize, nodes: Vec<(u32, f64)>, stiffness: f64) -> Self {
+        let weighted: Vec<(Node, f64)> = nodes.iter().map(|(node, weight)| (Node(*node as usize), *weight)).collect();
+        Self { point: EmbeddedPoint::in_element(coarse, element, &weighted, 1.0), stiffness, nodes }
+    }
+
+    /// Adds the spring to the stiffness of an element that does not rotate.
+    fn stiffen(&self, matrix: &mut CellMatrix) {
+        for moment in &self.point.functions {
+            for (a, b) in (0..COLUMNS * COLUMNS).map(|n| (n / COLUMNS, n % COLUMNS)) {
+                matrix[COLUMNS * a + b] += self.stiffness * moment[a] * moment[b];
+            }
+        }
+    }
+}
 
 /// A coarse model held where fine nodes are held.
 ///
@@ -29,6 +56,7 @@ pub struct SupportedCoarse<'a> {
     /// Number of fixed fine nodes held by penalty.
     pub held_by_penalty: usize,
     by_penalty: BTreeSet<u32>,
+    points: Vec<PenaltyPoint>,
     stiffened: HashMap<usize, CellMatrix>,
 }
 
@@ -37,8 +65,14 @@ impl<'a> SupportedCoarse<'a> {
     pub fn new(coarse: &'a CoarseModel, embedding: &Embedding<'_>, fixed: &[bool]) -> Self {
         let mask = held_vertices(coarse, embedding, fixed);
         let constraints = Constraints::nodes(&mask);
-        let mut this =
-            Self { coarse, constraints, held_by_penalty: 0, by_penalty: BTreeSet::new(), stiffened: HashMap::new() };
+        let mut this = Self {
+            coarse,
+            constraints,
+            held_by_penalty: 0,
+            by_penalty: BTreeSet::new(),
+            points: Vec::new(),
+            stiffened: HashMap::new(),
+        };
         for index in 0..coarse.elements().len() {
             this.hold_uncovered(index, embedding, (fixed, &mask));
         }
@@ -63,7 +97,6 @@ impl<'a> SupportedCoarse<'a> {
             return;
         }
         self.by_penalty.extend(found.iter().map(|(_, node)| *node));
-        let functions = self.coarse.functions().of(index);
         let mut stiffness = *self.coarse.stiffness(index);
         let largest = (0..COLUMNS).fold(0.0f64, |m, i| m.max(stiffness[COLUMNS * i + i]));
         for i in 0..8 {
@@ -71,19 +104,19 @@ impl<'a> SupportedCoarse<'a> {
             if total <= COVERED {
                 continue;
             }
-            for r in 0..3 {
-                let mut moment = [0.0; COLUMNS];
-                for &local in &uncovered {
-                    let row = &functions[(3 * local as usize + r) * COLUMNS..][..COLUMNS];
-                    let weight = weights(local)[i] / total;
-                    moment.iter_mut().zip(row).for_each(|(m, w)| *m += weight * w);
-                }
-                for (a, b) in (0..COLUMNS * COLUMNS).map(|n| (n / COLUMNS, n % COLUMNS)) {
-                    stiffness[COLUMNS * a + b] += PENALTY * largest * moment[a] * moment[b];
-                }
-            }
+            let weighted = |(local, node): &(u32, u32)| (*node, weights(*local)[i] / total);
+            let penalty =
+                PenaltyPoint::new(self.coarse, index, found.iter().map(weighted).collect(), PENALTY * largest);
+            penalty.stiffen(&mut stiffness);
+            self.points.push(penalty);
         }
         self.stiffened.insert(index, stiffness);
+    }
+
+    /// The penalties as springs between points that move with elements and the same means of prescribed positions, ordered by element. Elements have
+    /// their own stiffness beside them, without the penalty.
+    pub fn penalty_points(&self) -> &[PenaltyPoint] {
+        &self.points
     }
 
     /// Stiffness \[N/m\] of element number `index`, with the penalty where there is one.

@@ -23,14 +23,14 @@ pub enum Projection {
 pub enum PointLaw {
     /// ψ = ½ ε:C:ε with ε = sym F − I: small displacements only.
     Linear(ElasticityTensor),
-    /// ψ = μ ‖S − I‖² + λ/2 tr(S − I)² with F = R S. Finite for inverted points too.
+    /// ψ = μ ‖S − I‖² + λ/2 tr(S − I)² with F = R S (`sifakis2012fem`). Finite for inverted points too.
     Corotational {
         /// Lamé's first constant λ \[Pa\].
         lambda: f64,
         /// The shear modulus μ \[Pa\].
         mu: f64,
     },
-    /// ψ = μ/2 (‖F‖² − 3) − μ ln J + λ/2 (ln J)² with J = det F (`bonet2008nonlinear` §6.4.3).
+    /// ψ = μ/2 (‖F‖² − 3) − μ ln J + λ/2 (ln J)² with J = det F (`bonet2008nonlinear`).
     NeoHookean {
         /// Lamé's first constant λ \[Pa\].
         lambda: f64,

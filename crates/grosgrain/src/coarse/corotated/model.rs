@@ -332,7 +332,9 @@ impl Corotated {
         let mut energies = ElementEnergies { elastic, ..ElementEnergies::default() };
         if let Some(load) = self.load(index) {
             energies.loads = load.energy(&frame);
-            forces.as_deref_mut().map(|forces| load.add_forces(&frame, forces));
+            if let Some(forces) = forces.as_deref_mut() {
+                load.add_forces(&frame, forces);
+            }
         }
         let mut unused = LocalForces::ZERO;
         let forces = forces.unwrap_or(&mut unused);
