@@ -78,6 +78,62 @@ pub enum PictureError {
         /// The upward direction.
         up: [f64; 3],
     },
+    /// A camera is fitted to nothing, or to a point that is not finite.
+    #[error("a camera needs finite points to look at; {}", .0.map_or("there are none".into(), |i| format!("point {i} is not finite")))]
+    CameraPoints(Option<usize>),
+    /// The number of samples of a volume is not that of its voxels.
+    #[error("the volume has {found} samples for {} x {} x {} voxels; one each is needed", size[0], size[1], size[2])]
+    VolumeSize {
+        /// Number of samples.
+        found: usize,
+        /// Number of voxels along x, y, z.
+        size: [usize; 3],
+    },
+    /// A sample of a volume is NaN or infinite.
+    #[error("sample {index} of the volume is {value}; only finite numbers can be drawn")]
+    VolumeSample {
+        /// Index of the sample.
+        index: usize,
+        /// The offending number.
+        value: f32,
+    },
+    /// Spacing, step or rays of a volume are unusable.
+    #[error(
+        "the volume's spacing {spacing:?} m and the step of {step} voxels must be positive, places finite, and rays per pixel \
+         and axis 1 to 8, not {rays}"
+    )]
+    VolumeSteps {
+        /// Edges of a voxel.
+        spacing: [f64; 3],
+        /// Length of a step in voxels.
+        step: f64,
+        /// Rays per pixel and axis.
+        rays: usize,
+    },
+    /// A picture of a volume is too small or too large.
+    #[error("a picture of {width} x {height} pixels cannot be drawn; choose 16 to 4000 each")]
+    VolumePicture {
+        /// Width in pixels.
+        width: usize,
+        /// Height in pixels.
+        height: usize,
+    },
+    /// The transfer function has no nodes.
+    #[error("the transfer function has no nodes; give at least one value with its colour and extinction")]
+    EmptyTransfer,
+    /// A node of a transfer function is unusable.
+    #[error(
+        "node {index} of the transfer function (value {value}, extinction {extinction}/m): values must increase from node to \
+         node, and extinctions be finite and not negative"
+    )]
+    TransferNode {
+        /// Index of the node.
+        index: usize,
+        /// Its value.
+        value: f64,
+        /// Its extinction.
+        extinction: f64,
+    },
     /// A chart has nothing to draw.
     #[error("the chart \"{0}\" has no points")]
     EmptyChart(String),

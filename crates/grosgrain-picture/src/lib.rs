@@ -29,11 +29,13 @@ mod surface;
 mod text;
 mod theme;
 mod ticks;
+mod volume;
 
-pub use camera::View;
+pub use camera::{Camera, View};
 pub use chart::{Axis, Chart, Series};
 pub use colour::{ColourMap, Rgb, category_colour};
 pub use error::PictureError;
 pub use figure::{Category, ColourScale, Colouring, Figure, Lines, Panel, QuadSurface};
 pub use image::Image;
 pub use ticks::Ticks;
+pub use volume::{ClipPlane, TransferFunction, TransferNode, VolumeScene};
