@@ -118,6 +118,36 @@ pub enum PictureError {
         /// Height in pixels.
         height: usize,
     },
+    /// The number of pictures on a sheet is not that of its places.
+    #[error("{found} pictures for {rows} rows and {columns} columns; one each is needed, and at least one")]
+    SheetCount {
+        /// Number of rows.
+        rows: usize,
+        /// Number of columns.
+        columns: usize,
+        /// Number of pictures.
+        found: usize,
+    },
+    /// Pictures that stand beside or follow each other differ in size.
+    #[error(
+        "pictures of {} x {} and {} x {} pixels cannot stand in one row or follow each other; draw all of them in one size",
+        first[0], first[1], other[0], other[1]
+    )]
+    PictureSizes {
+        /// Size of the first.
+        first: [usize; 2],
+        /// Size of the one that differs.
+        other: [usize; 2],
+    },
+    /// Labels are too small or too large.
+    #[error("letters of {0} pixels cannot be drawn; choose 8 to 100")]
+    Letters(f32),
+    /// An animation has no frames.
+    #[error("the animation has no frames; add at least one")]
+    NoFrames,
+    /// A frame stands too short or too long.
+    #[error("a frame cannot stand for {0} s; choose 0.01 to 60 s")]
+    Delay(f64),
     /// The transfer function has no nodes.
     #[error("the transfer function has no nodes; give at least one value with its colour and extinction")]
     EmptyTransfer,
@@ -150,6 +180,14 @@ pub enum PictureError {
         x: f64,
         /// Its ordinate.
         y: f64,
+    },
+    /// An event cannot be placed on its axis.
+    #[error("event \"{label}\" at {at}: it must be at a finite place, and a positive one on a logarithmic axis")]
+    ChartEvent {
+        /// Label of the event.
+        label: String,
+        /// Where it is.
+        at: f64,
     },
     /// The embedded typeface cannot be read.
     #[error("the embedded typeface cannot be read: {0}")]
