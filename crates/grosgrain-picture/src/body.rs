@@ -34,6 +34,13 @@ pub(crate) struct View {
 }
 
 impl View {
+    /// The view as a picture of its own.
+    pub(crate) fn into_image(self) -> Image {
+        let mut image = Image::new(self.size[0], self.size[1], [0xff; 3]);
+        self.paste(&mut image, [0, 0]);
+        image
+    }
+
     /// Copies the view into a picture with its upper left corner at `[x, y]`.
     pub(crate) fn paste(&self, image: &mut Image, [x, y]: [usize; 2]) {
         for (at, colour) in self.pixels.iter().enumerate() {

@@ -26,9 +26,15 @@ impl View {
     }
 }
 
-/// A view fitted to a set of points.
-#[derive(Clone, Debug)]
-pub(crate) struct Camera {
+/// A view fitted to a set of points, which several pictures can share.
+///
+/// ```
+/// use grosgrain_picture::Camera;
+/// let camera = Camera::new(None, &[[0.0; 3], [1.0, 0.5, 0.2]])?;
+/// # Ok::<(), grosgrain_picture::PictureError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Camera {
     /// Unit vectors to the right, up, and to the eye.
     axes: [Vec3; 3],
     centre: Vec3,
@@ -40,8 +46,15 @@ pub(crate) struct Camera {
 }
 
 impl Camera {
-    /// A camera that sees all `points`, of which there must be at least one.
-    pub(crate) fn new(view: Option<View>, points: &[Vec3]) -> Result<Self, PictureError> {
+    /// A camera that sees all `points`; `None` chooses a three-quarter view from their extent, z up.
+    ///
+    /// # Errors
+    /// No points, a point that is not finite, a view without direction.
+    pub fn new(view: Option<View>, points: &[Vec3]) -> Result<Self, PictureError> {
+        let usable = |p: &Vec3| p.iter().all(|x| x.abs() < 1e150);
+        if points.is_empty() || !points.iter().all(usable) {
+            return Err(PictureError::CameraPoints(points.iter().position(|p| !usable(p))));
+        }
         let (low, high) = bounds(points);
         let extent: Vec3 = std::array::from_fn(|a| high[a] - low[a]);
         let view = view.unwrap_or_else(|| View::three_quarter(extent));
@@ -63,6 +76,27 @@ impl Camera {
         let v = self.turn(std::array::from_fn(|a| p[a] - self.centre[a]));
         let scale = 1.0 / (1.0 - v[2] / self.distance);
         v.map(|x| x * scale)
+    }
+
+    /// Pixels per unit of length near the centre, so that a picture of this size holds everything with a small border.
+    pub(crate) fn scale(&self, size: [usize; 2]) -> f64 {
+        let [[left, bottom], [right, top]] = self.bounds;
+        let smallest = 1e-3 * self.radius;
+        let [width, height] = size.map(|n| n as f64);
+        let border = 0.04 * width.min(height);
+        ((width - border) / (right - left).max(smallest)).min((height - border) / (top - bottom).max(smallest))
+    }
+
+    /// The ray through a point of the picture plane: a point on it, its unit direction, and the parameter of the eye.
+    pub(crate) fn ray(&self, x: f64, y: f64) -> (Vec3, Vec3, f64) {
+        let [right, up, back] = self.axes;
+        let point = std::array::from_fn(|a| self.centre[a] + x * right[a] + y * up[a]);
+        if self.distance.is_infinite() {
+            return (point, back.map(|b| -b), f64::NEG_INFINITY);
+        }
+        let from_eye: Vec3 = std::array::from_fn(|a| x * right[a] + y * up[a] - self.distance * back[a]);
+        let length = norm(from_eye);
+        (point, from_eye.map(|d| d / length), -length)
     }
 
     /// A direction in the axes right, up, to the eye.

@@ -19,13 +19,31 @@ pub struct Chart {
     pub y: Axis,
     /// The curves.
     pub series: Vec<Series>,
+    /// What happened along the horizontal axis, such as cuts: dashed lines with labels over the plot.
+    pub events: Vec<Event>,
     /// Width in pixels, 400 to 4000; the height is 0.58 of it.
     pub width: usize,
 }
 
+/// A place on the horizontal axis where something happened.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Event {
+    /// Where on the horizontal axis.
+    pub at: f64,
+    /// What: `cut 1`.
+    pub label: String,
+}
+
 impl Default for Chart {
     fn default() -> Self {
-        Self { title: String::new(), x: Axis::default(), y: Axis::default(), series: Vec::new(), width: 1400 }
+        Self {
+            title: String::new(),
+            x: Axis::default(),
+            y: Axis::default(),
+            series: Vec::new(),
+            events: Vec::new(),
+            width: 1400,
+        }
     }
 }
 
@@ -61,6 +79,9 @@ const CURVES: [Rgb; 7] = [
     [0x77, 0x77, 0x77],
 ];
 
+/// Height of a row of event labels, and how many there are at most.
+const EVENT_ROW: f32 = 30.0;
+const MOST_EVENT_ROWS: usize = 4;
 /// More whole numbers than this have no room for their labels.
 const MOST_WHOLE: f64 = 15.0;
 
@@ -75,8 +96,12 @@ impl Chart {
         // A chart is read at smaller sizes than a figure: its letters are larger for its width.
         let theme = Theme { unit: 1.25 * theme.unit, ..theme };
         let mut image = Image::new(self.width, (0.58 * self.width as f64).round() as usize, PAGE);
-        let scales = [Scale::new(&self.x, self.coordinates(0)), Scale::new(&self.y, self.coordinates(1))];
+        let scales = [
+            Scale::new(&self.x, self.coordinates(0).chain(self.events.iter().map(|e| e.at))),
+            Scale::new(&self.y, self.coordinates(1)),
+        ];
         let plot = self.draw_frame(&theme, &mut image, &scales);
+        self.draw_events(&theme, &mut image, &scales[0], plot);
         self.draw_curves(&theme, &mut image, &scales, plot);
         Ok(image)
     }
@@ -84,6 +109,10 @@ impl Chart {
     fn validate(&self) -> Result<(), PictureError> {
         if self.coordinates(0).next().is_none() {
             return Err(PictureError::EmptyChart(self.title.clone()));
+        }
+        let placed = |event: &&Event| !(event.at.abs() < 1e150 && (event.at > 0.0 || !self.x.logarithmic));
+        if let Some(event) = self.events.iter().find(placed) {
+            return Err(PictureError::ChartEvent { label: event.label.clone(), at: event.at });
         }
         for series in &self.series {
             for (index, &[x, y]) in series.points.iter().enumerate() {
@@ -112,18 +141,56 @@ impl Chart {
         let legend = self.draw_legend(theme, image, card);
         let widest = y.ticks.labels.iter().map(|l| theme.face.width(l, theme.small())).fold(0.0, f32::max);
         let left = card.x + 44.0 * u + widest;
-        let plot = Rect {
-            x: left,
-            y: legend + 74.0 * u,
-            width: card.x + card.width - 48.0 * u - left,
-            height: card.y + card.height - 100.0 * u - (legend + 74.0 * u),
-        };
+        let width = card.x + card.width - 48.0 * u - left;
+        let rows = self.event_rows(theme, x, left, width);
+        let lowest = rows.iter().map(|row| row + 1).max().unwrap_or(0);
+        let top = legend + 74.0 * u + EVENT_ROW * u * lowest as f32;
+        let plot = Rect { x: left, y: top, width, height: card.y + card.height - 100.0 * u - top };
         let label = y.ticks.with_exponent(&self.y.label);
         theme.face.draw(image, [card.x + 28.0 * u, legend + 52.0 * u], &label, theme.label());
         let below = [plot.x + 0.5 * plot.width, plot.y + plot.height + 76.0 * u];
         theme.face.draw_centred(image, below, &x.ticks.with_exponent(&self.x.label), theme.label());
         draw_grid(theme, image, [x, y], plot);
         plot
+    }
+
+    /// The row of each event's label over the plot, 0 the lowest, so that none covers another.
+    fn event_rows(&self, theme: &Theme, x: &Scale, left: f32, width: f32) -> Vec<usize> {
+        let mut ends: Vec<f32> = Vec::new();
+        let mut order: Vec<usize> = (0..self.events.len()).collect();
+        order.sort_by(|a, b| self.events[*a].at.total_cmp(&self.events[*b].at));
+        let mut rows = vec![0; self.events.len()];
+        for event in order {
+            let [start, end] = self.event_span(theme, x, (left, width), event);
+            let free = ends.iter().position(|e| *e < start).unwrap_or(ends.len()).min(MOST_EVENT_ROWS - 1);
+            ends.resize(ends.len().max(free + 1), f32::NEG_INFINITY);
+            (rows[event], ends[free]) = (free, end + 12.0 * theme.unit);
+        }
+        rows
+    }
+
+    /// Where an event's label begins and ends: around its line, within the plot.
+    fn event_span(&self, theme: &Theme, x: &Scale, (left, width): (f32, f32), event: usize) -> [f32; 2] {
+        let Event { at, label } = &self.events[event];
+        let long = theme.face.width(label, theme.small());
+        let start = (left + width * x.place(*at) - 0.5 * long).min(left + width - long).max(left);
+        [start, start + long]
+    }
+
+    fn draw_events(&self, theme: &Theme, image: &mut Image, x: &Scale, plot: Rect) {
+        let u = theme.unit;
+        let rows = self.event_rows(theme, x, plot.x, plot.width);
+        for (event, row) in rows.iter().enumerate() {
+            let at = plot.x + plot.width * x.place(self.events[event].at);
+            let label = plot.y - 10.0 * u - EVENT_ROW * u * *row as f32;
+            let (bottom, mut y) = (plot.y + plot.height, label + 6.0 * u);
+            while y < bottom {
+                image.stroke([at, y], [at, (y + 7.0 * u).min(bottom)], 1.8 * u, GREY);
+                y += 13.0 * u;
+            }
+            let [start, _] = self.event_span(theme, x, (plot.x, plot.width), event);
+            theme.face.draw(image, [start, label], &self.events[event].label, theme.small());
+        }
     }
 
     /// Draws the legend in rows at the card's top; returns the bottom of it.

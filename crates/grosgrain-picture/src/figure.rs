@@ -123,7 +123,7 @@ impl Figure {
 }
 
 impl Panel {
-    fn validate(&self, at: usize) -> Result<(), PictureError> {
+    pub(crate) fn validate(&self, at: usize) -> Result<(), PictureError> {
         let surface = &self.surface;
         if surface.quads.is_empty() {
             return Err(PictureError::EmptySurface { panel: at, caption: self.caption.clone() });

@@ -63,6 +63,20 @@ impl Image {
         Ok(writer.finish()?)
     }
 
+    /// The pixels in reading order.
+    pub(crate) fn pixels(&self) -> impl Iterator<Item = &Rgb> + '_ {
+        self.pixels.as_chunks::<3>().0.iter()
+    }
+
+    /// Copies another picture into this one with its upper left corner at `[x, y]`; what does not fit is left out.
+    pub(crate) fn paste(&mut self, other: &Self, [x, y]: [usize; 2]) {
+        let width = other.width.min(self.width.saturating_sub(x));
+        for row in 0..other.height.min(self.height.saturating_sub(y)) {
+            let (from, to) = (3 * row * other.width, 3 * ((y + row) * self.width + x));
+            self.pixels[to..to + 3 * width].copy_from_slice(&other.pixels[from..from + 3 * width]);
+        }
+    }
+
     pub(crate) fn set(&mut self, x: usize, y: usize, colour: Rgb) {
         if x < self.width && y < self.height {
             let at = 3 * (y * self.width + x);

@@ -37,7 +37,7 @@ impl Figure {
 
 impl Panel {
     /// Everything the camera must see. A vertex that no quad uses is not drawn, but may say how much room to leave.
-    fn points(&self) -> impl Iterator<Item = [f64; 3]> + '_ {
+    pub(crate) fn points(&self) -> impl Iterator<Item = [f64; 3]> + '_ {
         let lines = self.grid.iter().chain(&self.ghost);
         self.surface.positions.iter().copied().chain(lines.flat_map(|line| *line))
     }
@@ -175,7 +175,7 @@ fn lines_height(lines: &[String], style: Style) -> f32 {
 }
 
 /// The view's size in pixels and its scale, so that the body fills the width or, if it is tall, the height.
-fn fit(camera: &Camera, width: f32, tallest: f32) -> ([usize; 2], f64) {
+pub(crate) fn fit(camera: &Camera, width: f32, tallest: f32) -> ([usize; 2], f64) {
     let [[left, bottom], [right, top]] = camera.bounds;
     let smallest = 1e-3 * camera.radius;
     let (across, high) = ((right - left).max(smallest), (top - bottom).max(smallest));

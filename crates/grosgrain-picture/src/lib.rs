@@ -14,6 +14,7 @@
 //! # Ok::<(), grosgrain_picture::PictureError>(())
 //! ```
 
+mod animation;
 mod body;
 mod camera;
 mod chart;
@@ -24,16 +25,24 @@ mod image;
 mod key;
 mod layout;
 mod occlusion;
+mod palette;
 mod raster;
+mod sheet;
+mod strip;
 mod surface;
 mod text;
 mod theme;
 mod ticks;
+mod volume;
 
-pub use camera::View;
-pub use chart::{Axis, Chart, Series};
+pub use animation::Animation;
+pub use camera::{Camera, View};
+pub use chart::{Axis, Chart, Event, Series};
 pub use colour::{ColourMap, Rgb, category_colour};
 pub use error::PictureError;
 pub use figure::{Category, ColourScale, Colouring, Figure, Lines, Panel, QuadSurface};
 pub use image::Image;
+pub use sheet::{Sheet, SheetPicture};
+pub use strip::Strip;
 pub use ticks::Ticks;
+pub use volume::{ClipPlane, TransferFunction, TransferNode, VolumeScene};

@@ -26,6 +26,14 @@ impl Theme {
         Ok(Self { face: Typeface::load()?, unit: width as f32 / 1800.0 })
     }
 
+    /// A theme whose labels have this height in pixels.
+    pub(crate) fn with_letters(letters: f32) -> Result<Self, PictureError> {
+        if !(8.0..=100.0).contains(&letters) {
+            return Err(PictureError::Letters(letters));
+        }
+        Ok(Self { face: Typeface::load()?, unit: letters / 24.0 })
+    }
+
     pub(crate) fn title(&self) -> Style {
         self.style(Weight::SemiBold, 42.0, DARK)
     }

@@ -1,11 +1,11 @@
 //! What a chart promises.
 
-use grosgrain_picture::{Axis, Chart, PictureError, Series};
+use grosgrain_picture::{Axis, Chart, Event, PictureError, Series};
 
 fn chart(points: Vec<[f64; 2]>, logarithmic: bool) -> Chart {
     let axis = |label: &str| Axis { label: label.into(), logarithmic, whole: false };
     let series = vec![Series { name: "one-ring".into(), points }];
-    Chart { title: "Error".into(), x: axis("unknowns"), y: axis("error [%]"), series, width: 800 }
+    Chart { title: "Error".into(), x: axis("unknowns"), y: axis("error [%]"), series, width: 800, ..Chart::default() }
 }
 
 #[test]
@@ -59,4 +59,35 @@ fn points_without_a_place_are_refused_with_a_sentence() {
     assert!(refusal(vec![[1.0, 2.0], [2.0, 0.0]], true).starts_with("series \"one-ring\", point 1 (2, 0)"));
     assert!(refusal(vec![[1.0, f64::NAN]], false).contains("point 0 (1, NaN)"));
     assert_eq!(refusal(vec![], false), "the chart \"Error\" has no points");
+}
+
+#[test]
+fn an_event_is_a_dashed_line_at_its_place_and_its_labels_stand_apart() -> Result<(), PictureError> {
+    let mut plain = chart((0..=50).map(|i| [f64::from(i) / 50.0, 0.5]).collect(), false);
+    plain.y.label = String::new();
+    let mut marked = plain.clone();
+    let event = |at, label: &str| Event { at, label: label.into() };
+    marked.events = vec![event(0.25, "cut 1"), event(0.27, "cut 2"), event(0.8, "let go")];
+    let (before, after) = (plain.render()?, marked.render()?);
+    // Right of the tick labels, which the labels above move down, only the dashes differ on the lower part of the plot.
+    let rows = before.height() * 6 / 10..before.height() * 3 / 4;
+    let differs = |x: usize| rows.clone().filter(|y| before.pixel(x, *y) != after.pixel(x, *y)).count();
+    let columns: Vec<usize> = (70..before.width()).filter(|x| differs(*x) > 10).collect();
+    let mut centres: Vec<f64> = Vec::new();
+    for group in columns.chunk_by(|a, b| b - a == 1) {
+        centres.push(group.iter().sum::<usize>() as f64 / group.len() as f64);
+        assert!(group.iter().all(|x| differs(*x) < rows.len() * 9 / 10), "dashes leave gaps");
+    }
+    assert_eq!(centres.len(), 3, "{centres:?}");
+    let ratio = (centres[1] - centres[0]) / (centres[2] - centres[0]);
+    assert!((ratio - 0.02 / 0.55).abs() < 0.004, "{centres:?}");
+    Ok(())
+}
+
+#[test]
+fn an_event_without_a_place_is_refused() {
+    let mut chart = chart(vec![[1.0, 2.0]], true);
+    chart.events = vec![Event { at: -1.0, label: "cut".into() }];
+    let sentence = chart.render().map_or_else(|e| e.to_string(), |_| "drawn".into());
+    assert!(sentence.starts_with("event \"cut\" at -1: it must be"), "{sentence}");
 }
