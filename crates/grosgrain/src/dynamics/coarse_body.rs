@@ -6,7 +6,8 @@ use super::conditions::NodePotential;
 use super::{Body, Conditions, Energies, Inversion, LinearStep, Moment, QuadraticWeights, State, TangentError};
 use crate::assembly::Constraints;
 use crate::coarse::{
-    CoarseModel, Corotated, CorotatedError, EmbeddedPoint, Embedding, Integration, Potential, SupportedCoarse,
+    CoarseModel, Corotated, CorotatedError, EmbeddedPoint, Embedding, Integration, PenaltyPoint, Potential,
+    SupportedCoarse,
 };
 use crate::contact::{Grip, PointPotential};
 use crate::element::CellMatrix;
@@ -29,6 +30,8 @@ pub struct CoarseMechanics {
     tangents: Vec<CellMatrix>,
     lagged: Vec<CellMatrix>,
     solver: ElementTangent,
+    /// The mesh that the solver was made for.
+    corners: Vec<[u32; 8]>,
     constraints: Constraints,
     /// Which fine nodes are held; decides the constraints.
     fixed: Vec<bool>,
@@ -45,13 +48,6 @@ pub struct CoarseMechanics {
     /// The potentials at the end of the last step.
     settled: Vec<PointPotential>,
     positions: Vec<[f64; 3]>,
-}
-
-/// TEMPORARY
-struct PenaltyPoint {
-    point: EmbeddedPoint,
-    stiffness: f64,
-    nodes: Vec<(Node, f64)>,
 }
 
 /// Where the potential of an embedded point comes from.
@@ -89,6 +85,7 @@ impl CoarseMechanics {
             tangents: vec![[0.0; 576]; mesh.elements().len()],
             lagged: Vec::new(),
             solver: ElementTangent::new(mesh.elimination_order(), mesh.corners())?,
+            corners: mesh.corners().to_vec(),
             constraints: Constraints::none(vertices),
             fixed: vec![false; fine.grid().lattice.node_count()],
             held: vec![0.0; 3 * vertices],
@@ -108,21 +105,22 @@ impl CoarseMechanics {
     }
 
     /// Takes over models that an edit has changed, `dirty` being the elements that were made anew, and conditions that may have changed with
-    /// them. `topology` tells whether elements or vertices are others than before. What friction holds stays.
+    /// them. What friction holds stays; the solver does where elements meet as before.
     ///
     /// # Errors
     /// As [`CoarseMechanics::new`].
     pub fn renew(
         &mut self,
         (fine, coarse): (&FineModel, &CoarseModel),
-        (dirty, topology): (&[CellPart], bool),
+        dirty: &[CellPart],
         conditions: Conditions,
     ) -> Result<(), TangentError> {
         let grips = self.grips();
         let mesh = coarse.mesh();
         let vertices = mesh.vertices().len();
         self.corotated.renew(fine, coarse, dirty);
-        if topology {
+        if self.corners != mesh.corners() {
+            self.corners = mesh.corners().to_vec();
             self.tangents.resize(mesh.elements().len(), [0.0; 576]);
             self.lagged.clear();
             self.solver = ElementTangent::new(mesh.elimination_order(), mesh.corners())?;
@@ -227,7 +225,7 @@ impl CoarseBody<'_> {
     fn hold(&mut self, fixed: Vec<bool>) {
         let m = &mut *self.mechanics;
         let supported = SupportedCoarse::new(self.coarse, &Embedding::new(self.coarse), &fixed);
-        m.penalties = Vec::new();
+        m.penalties = supported.penalty_points().to_vec();
         m.constraints = supported.constraints;
         m.fixed = fixed;
         let kept: Vec<PointPotential> = std::mem::take(&mut m.settled);
@@ -258,8 +256,9 @@ impl CoarseBody<'_> {
             let Source::Penalty { number } = *source else { continue };
             let penalty = &m.penalties[number];
             let mut target = [0.0; 3];
-            for (node, weight) in &penalty.nodes {
-                let (rest, u) = (fine.node_position(*node), displacement(*node).unwrap_or_default());
+            for &(node, weight) in &penalty.nodes {
+                let node = Node(node as usize);
+                let (rest, u) = (fine.node_position(node), displacement(node).unwrap_or_default());
                 (0..3).for_each(|r| target[r] += weight * (rest[r] + u[r]));
             }
             *potential = PointPotential::Spring { stiffness: penalty.stiffness, target };

@@ -7,6 +7,7 @@ use crate::coarse::CoarseModel;
 use crate::dynamics::State;
 use crate::fine::{CellState, FineModel};
 use crate::mesh::Cell;
+use crate::partition::CellPart;
 use crate::progress::{Progress, silent};
 use crate::training::TrainingKind;
 
@@ -55,6 +56,16 @@ impl LiveModel {
     /// Its coarse model.
     pub fn coarse(&self) -> &CoarseModel {
         self.coarse.model()
+    }
+
+    /// The elements that the first build or the last update has made anew, ascending.
+    pub fn renewed(&self) -> &[CellPart] {
+        self.coarse.renewed()
+    }
+
+    /// Body, coarse model and motion at once, for a step.
+    pub(super) fn parts_mut(&mut self) -> (&FineModel, &CoarseModel, &mut State) {
+        (&self.fine, self.coarse.model(), &mut self.state)
     }
 
     /// The training that was chosen.

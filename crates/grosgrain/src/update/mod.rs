@@ -8,6 +8,7 @@ mod live;
 mod live_coarse;
 mod loose;
 mod report;
+mod simulation;
 
 pub use apply::{Applied, Editor};
 pub use batch::{Batch, resolve_all};
@@ -17,3 +18,4 @@ pub use live::LiveModel;
 pub use live_coarse::LiveCoarse;
 pub use loose::{LooseParts, LooseReport, LooseSearch};
 pub use report::{LiveError, LiveOptions, UpdateReport, UpdateSeconds};
+pub use simulation::{Acting, Simulation, SimulationError, SimulationOptions};
