@@ -14,8 +14,8 @@ const HALVINGS: usize = 60;
 /// Two held parts that ask different displacements of the same node.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error(
-    "{} and {} both hold the node at ({:.6}, {:.6}, {:.6}) m, but at {time:.6} s one moves it by ({:.6e}, {:.6e}, {:.6e}) m and \
-     the other by ({:.6e}, {:.6e}, {:.6e}) m; let only one of them hold it, or give both the same motion",
+    "{} and {} both hold the node at ({:.6}, {:.6}, {:.6}) m, but at {time:.6} s one moves it by ({:.9}, {:.9}, {:.9}) m and \
+     the other by ({:.9}, {:.9}, {:.9}) m; let only one of them hold it, or give both the same motion",
     names[0], names[1], position[0], position[1], position[2], displacements[0][0], displacements[0][1], displacements[0][2],
     displacements[1][0], displacements[1][1], displacements[1][2]
 )]
@@ -247,7 +247,7 @@ mod tests {
         assert_eq!((error.time, error.displacements), (share, [[0.0, 0.0, 0.1 * share], [0.0; 3]]));
         let said = error.to_string();
         let expected = "fix[0] and fix[1] both hold the node at (0.200000, 0.100000, 0.300000) m, but at 0.381966 s one moves it by \
-                        (0.000000e0, 0.000000e0, 3.819660e-2) m and the other by (0.000000e0, 0.000000e0, 0.000000e0) m; ";
+                        (0.000000000, 0.000000000, 0.038196601) m and the other by (0.000000000, 0.000000000, 0.000000000) m; ";
         assert!(said.starts_with(expected), "{said}");
     }
 

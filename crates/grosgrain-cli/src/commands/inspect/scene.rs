@@ -11,6 +11,7 @@ use super::row;
 use super::volume::memory_row;
 use crate::body::{Body, build_body, loose_from_largest, loose_when_held, solid_counts};
 use crate::failure::Failure;
+use crate::held_parts::{check_held_parts, held_parts};
 use crate::memory;
 use crate::progress::Progress;
 use crate::quantities::{count, counted, number, triple, triple_count};
@@ -56,7 +57,9 @@ pub fn summarise(file: &Path, progress: &Progress) -> Result<SceneSummary, Failu
     scene.warnings.iter().for_each(|warning| progress.warn(warning));
     let body = build_body(&scene)?;
     body.remarks.iter().for_each(|remark| progress.say(remark));
+    check_held_parts(&scene, &body.grid, &held_parts(&scene, &body.grid)?)?;
     let loose = match scene.fixes.is_empty() {
+        _ if scene.is_dynamic() => None,
         true => loose_from_largest(&body.grid),
         false => loose_when_held(&scene, &body.grid)?,
     };
