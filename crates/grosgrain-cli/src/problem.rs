@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use grosgrain::coarse::BuildOptions;
-use grosgrain::dynamics::Holds;
+use grosgrain::dynamics::{Holds, RigidVelocity, centre_of_mass};
 use grosgrain::fine::FineModel;
 use grosgrain::mesh::{Label, Volume, VoxelGrid, pad_to_multiple};
 use grosgrain::partition::Partition;
@@ -20,7 +20,7 @@ use crate::placed_springs::PlacedSprings;
 use crate::progress::Progress;
 use crate::quantities::triple_count;
 use crate::report::ModelSize;
-use crate::scene::{Filling, Scene, Source, VoxelModulus, read_scene};
+use crate::scene::{Filling, Scene, Source, Start, VoxelModulus, read_scene};
 use crate::schedule::EditSchedule;
 
 /// Label of the voids that fill the last coarse cells.
@@ -84,6 +84,12 @@ impl Problem {
     /// The time \[s\] whose loads and motions hold at a step: the step's, or [`END_OF_RAMPS`] for a single equilibrium.
     pub fn time_of(&self, step: usize) -> f64 {
         time_of(&self.scene, &self.schedule, step)
+    }
+
+    /// How the body moves at time zero.
+    pub fn initial_velocity(&self) -> RigidVelocity {
+        let Start { velocity, spin } = self.scene.start;
+        RigidVelocity { velocity, spin, centre: centre_of_mass(&self.model).unwrap_or_default() }
     }
 
     /// Refuses loads beyond arithmetic, and in a static run a body that has no equilibrium: nothing held, nothing loaded, or parts that can

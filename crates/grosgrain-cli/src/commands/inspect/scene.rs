@@ -16,6 +16,7 @@ use crate::memory;
 use crate::progress::Progress;
 use crate::quantities::{count, counted, number, triple, triple_count};
 use crate::scene::{Coarsening, Scene, read_scene};
+use crate::schedule::EditSchedule;
 
 /// What a scene describes.
 #[derive(Debug, Serialize)]
@@ -37,6 +38,8 @@ pub struct SceneSummary {
     fixes: usize,
     loads: usize,
     edits: usize,
+    mode: &'static str,
+    steps: usize,
     direct_bytes: f64,
     iterative_bytes: f64,
 }
@@ -90,6 +93,8 @@ fn summary(scene: &Scene, body: &Body) -> Result<SceneSummary, Failure> {
         fixes: scene.fixes.len(),
         loads: scene.loads.len(),
         edits: scene.edits.len(),
+        mode: if scene.is_dynamic() { "dynamic" } else { "static" },
+        steps: EditSchedule::new(scene, grid).steps(),
         direct_bytes: memory::direct(3 * fine_nodes),
         iterative_bytes: memory::iterative(3 * fine_nodes),
     })
@@ -150,6 +155,8 @@ impl SceneSummary {
         ];
         rows.extend(self.materials.iter().map(MaterialSummary::row));
         rows.push(row("conditions", format!("{} fixed, {} loaded", count(self.fixes), count(self.loads))));
+        let steps = if self.steps > 0 { format!(", {}", counted(self.steps, "step")) } else { String::new() };
+        rows.push(row("run", format!("{}{steps}", self.mode)));
         if self.edits > 0 {
             rows.push(row("edits", count(self.edits)));
         }
