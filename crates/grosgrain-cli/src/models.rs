@@ -10,7 +10,7 @@ use grosgrain::update::{Editor, LiveCoarse, LiveOptions, UpdateReport};
 use crate::failure::Failure;
 use crate::method::Method;
 use crate::outcome::{CoarseRun, failed, run_coarse, run_fine, solve_built};
-use crate::problem::Problem;
+use crate::problem::{END_OF_RAMPS, Problem};
 use crate::progress::Progress;
 use crate::schedule::EditSchedule;
 use crate::sequence::Runs;
@@ -86,7 +86,7 @@ impl Models {
                 "after the edit nothing of the body is held, so it has no static equilibrium; keep a held part";
             return Err(Failure::Failed(sentence.into()));
         }
-        problem.loads = problem.placed.assemble(&problem.model);
+        problem.loads = problem.placed.assemble(&problem.model, END_OF_RAMPS);
         let renewed = self.renew(problem, changed, &aside, progress);
         let runs = renewed.and_then(|()| self.solve(problem, progress));
         problem.model.restore(&previous).map_err(|error| Failure::Failed(error.to_string()))?;

@@ -3,12 +3,12 @@
 use grosgrain::fine::{FineModel, gravity, node_forces, traction};
 
 use crate::failure::Failure;
-use crate::scene::{Load, LoadKind, Scene};
+use crate::scene::{Load, LoadKind, Scene, Span};
 
-/// The loads of a scene with the nodes that their selectors pick on the unedited body.
+/// The dead loads of a scene (all but springs) with the nodes that their selectors pick on the unedited body.
 #[derive(Clone, Debug)]
 pub struct PlacedLoads {
-    loads: Vec<PlacedLoad>,
+    loads: Vec<(PlacedLoad, Span)>,
 }
 
 #[derive(Clone, Debug)]
@@ -32,7 +32,8 @@ impl PlacedLoads {
             let nodes = |selection: &grosgrain::mesh::Selector| {
                 selection.nodes(model.grid()).map_err(|error| refuse(format!("where: {error}")))
             };
-            match &load.kind {
+            let placed = match &load.kind {
+                LoadKind::Spring(..) => return Ok(None),
                 LoadKind::Gravity(acceleration) => Ok(PlacedLoad::Gravity(*acceleration)),
                 LoadKind::Force(selection, force) => Ok(PlacedLoad::Force(nodes(selection)?.mask, *force)),
                 LoadKind::Traction(selection, stress) => {
@@ -45,22 +46,39 @@ impl PlacedLoads {
                         )),
                     }
                 }
-            }
+            };
+            placed.map(|placed| Some((placed, load.span)))
         };
-        Ok(Self { loads: scene.loads.iter().map(place).collect::<Result<_, _>>()? })
+        let placed = scene.loads.iter().map(place).collect::<Result<Vec<_>, Failure>>()?;
+        Ok(Self { loads: placed.into_iter().flatten().collect() })
+    }
+
+    /// Whether the loads at two times \[s\] differ on the same body.
+    pub fn differ(&self, before: f64, after: f64) -> bool {
+        self.loads.iter().any(|(_, span)| span.factor(before) != span.factor(after))
     }
 
     /// The sum of all loads on a model, three forces \[N\] per lattice node: weight, tractions on the faces and forces on the nodes
-    /// that the model has at the places of the loads.
-    pub fn assemble(&self, model: &FineModel) -> Vec<f64> {
+    /// that the model has at the places of the loads, each with the share that acts at a time \[s\].
+    pub fn assemble(&self, model: &FineModel, time: f64) -> Vec<f64> {
+        self.sum(model, |span| span.factor(time))
+    }
+
+    /// The sum of all loads in full, whenever each acts.
+    pub fn in_full(&self, model: &FineModel) -> Vec<f64> {
+        self.sum(model, |_| 1.0)
+    }
+
+    fn sum(&self, model: &FineModel, share: impl Fn(&Span) -> f64) -> Vec<f64> {
         let mut sum = vec![0.0; 3 * model.grid().lattice.node_count()];
-        for load in &self.loads {
+        for (load, span) in &self.loads {
+            let share = share(span);
             let forces = match load {
                 PlacedLoad::Gravity(acceleration) => gravity(model, *acceleration),
                 PlacedLoad::Traction(mask, stress) => traction(model, mask, *stress).0,
                 PlacedLoad::Force(mask, force) => node_forces(model, mask, *force),
             };
-            sum.iter_mut().zip(forces).for_each(|(total, force)| *total += force);
+            sum.iter_mut().zip(forces).for_each(|(total, force)| *total += share * force);
         }
         sum
     }

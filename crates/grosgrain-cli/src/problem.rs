@@ -5,25 +5,30 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use grosgrain::coarse::BuildOptions;
+use grosgrain::dynamics::{Holds, RigidVelocity, centre_of_mass};
 use grosgrain::fine::FineModel;
 use grosgrain::mesh::{Label, Volume, VoxelGrid, pad_to_multiple};
 use grosgrain::partition::Partition;
 use grosgrain::training::{RunTimeTraining, TrainingKind, run_time_training};
 
-use crate::body::{build_body, held_nodes, loose_when_held};
+use crate::body::{build_body, loose_when_held};
 use crate::failure::Failure;
+use crate::held_parts::{check_held_parts, held_parts};
 use crate::method::Method;
 use crate::placed_loads::PlacedLoads;
+use crate::placed_springs::PlacedSprings;
 use crate::progress::Progress;
 use crate::quantities::triple_count;
 use crate::report::ModelSize;
-use crate::scene::{Filling, Scene, Source, VoxelModulus, read_scene};
+use crate::scene::{Filling, Scene, Source, Start, VoxelModulus, read_scene};
 use crate::schedule::EditSchedule;
 
 /// Label of the voids that fill the last coarse cells.
 const PADDING: Label = Label(-1);
 /// Larger forces on a node overflow when they are squared \[N\].
 const LARGEST_FORCE: f64 = 1e100;
+/// The time of a single equilibrium \[s\]: when all loads and motions have grown in full.
+pub const END_OF_RAMPS: f64 = f64::INFINITY;
 
 /// A scene with its fine model.
 #[derive(Debug)]
@@ -34,12 +39,16 @@ pub struct Problem {
     pub model: FineModel,
     /// The volume that the body was read from, where there is one.
     pub volume: Option<Volume>,
-    /// Which nodes of the lattice are fixed.
+    /// Which nodes of the lattice are held at the beginning.
     pub fixed: Vec<bool>,
-    /// Loads \[N\] on the model as it is, three per lattice node.
+    /// What is held over time, and how it moves.
+    pub holds: Holds,
+    /// Loads \[N\] on the model as it is at the beginning, three per lattice node.
     pub loads: Vec<f64>,
     /// Where the scene's loads act, whatever becomes of the body.
     pub placed: PlacedLoads,
+    /// The springs of the scene's loads.
+    pub springs: Vec<PlacedSprings>,
     /// What changes during the run.
     pub schedule: EditSchedule,
     /// Seconds per stage so far.
@@ -60,36 +69,59 @@ impl Problem {
         require_degree(&scene, &body.grid)?;
         let schedule = EditSchedule::new(&scene, &body.grid);
         let grid = padded(&body.grid, scene.coarsening.degree, progress);
-        let fixed = held_nodes(&scene, &grid)?;
+        let holds = held_parts(&scene, &grid)?;
+        check_held_parts(&scene, &grid, &holds)?;
+        let fixed = holds.fixed_at(0.0, grid.lattice.node_count());
         let unusable = |error: &dyn std::fmt::Display| Failure::Unusable(format!("{}: {error}", file.display()));
         let model = FineModel::new(grid, &body.materials).map_err(|error| unusable(&error))?;
         let placed = PlacedLoads::new(&scene, &model)?;
-        let loads = placed.assemble(&model);
+        let loads = placed.assemble(&model, time_of(&scene, &schedule, 0));
+        let springs = PlacedSprings::of(&scene, &model)?;
         let seconds = BTreeMap::from([("body".to_owned(), start.elapsed().as_secs_f64())]);
-        Ok(Self { scene, model, volume: body.volume, fixed, loads, placed, schedule, seconds })
+        Ok(Self { scene, model, volume: body.volume, fixed, holds, loads, placed, springs, schedule, seconds })
     }
 
-    /// Refuses a body that has no equilibrium: nothing fixed, nothing loaded, or parts that can still move.
+    /// The time \[s\] whose loads and motions hold at a step: the step's, or [`END_OF_RAMPS`] for a single equilibrium.
+    pub fn time_of(&self, step: usize) -> f64 {
+        time_of(&self.scene, &self.schedule, step)
+    }
+
+    /// How the body moves at time zero.
+    pub fn initial_velocity(&self) -> RigidVelocity {
+        let Start { velocity, spin } = self.scene.start;
+        RigidVelocity { velocity, spin, centre: centre_of_mass(&self.model).unwrap_or_default() }
+    }
+
+    /// Refuses loads beyond arithmetic, and in a static run a body that has no equilibrium: nothing held, nothing loaded, or parts that can
+    /// still move.
     ///
     /// # Errors
     /// A sentence with the parts and what to do.
     pub fn require_support(&self) -> Result<(), Failure> {
         self.scene.require_conditions()?;
-        if let Some(force) = self.loads.iter().find(|force| !force.is_finite() || force.abs() > LARGEST_FORCE) {
+        let loads = self.placed.in_full(&self.model);
+        if let Some(force) = loads.iter().find(|force| !force.is_finite() || force.abs() > LARGEST_FORCE) {
             let sentence =
                 format!("a node bears a force of {force:.1e} N, which no arithmetic survives; check its unit");
             return Err(self.scene.unusable("load", sentence).into());
         }
+        if self.scene.is_dynamic() {
+            return Ok(());
+        }
         let moves = |node: &usize| !self.fixed[*node] && self.model.active()[*node];
-        let loaded = |node: usize| self.loads[3 * node..3 * node + 3].iter().any(|force| *force != 0.0);
-        if !(0..self.fixed.len()).filter(moves).any(loaded) {
+        let loaded = |node: usize| loads[3 * node..3 * node + 3].iter().any(|force| *force != 0.0);
+        let driven = !self.springs.is_empty() || self.scene.fixes.iter().any(|fix| fix.motion.is_some());
+        if !driven && !(0..self.fixed.len()).filter(moves).any(loaded) {
             let sentence = "the loads are zero wherever the body can move; \
                             expected a load, and a density where it is gravity";
             return Err(self.scene.unusable("load", sentence).into());
         }
         match loose_when_held(&self.scene, self.model.grid())? {
             None => Ok(()),
-            Some(sentence) => Err(self.scene.unusable("fix", sentence).into()),
+            Some(sentence) => {
+                let key = if self.scene.fixes.is_empty() { "load" } else { "fix" };
+                Err(self.scene.unusable(key, sentence).into())
+            }
         }
     }
 
@@ -147,6 +179,13 @@ impl Problem {
             files.push(file.clone());
         }
         files.into_iter().flat_map(files_of).collect()
+    }
+}
+
+fn time_of(scene: &Scene, schedule: &EditSchedule, step: usize) -> f64 {
+    match scene.is_dynamic() || !scene.edits.is_empty() {
+        true => schedule.time(step),
+        false => END_OF_RAMPS,
     }
 }
 

@@ -42,7 +42,7 @@ impl EditSchedule {
         Self {
             entries: scene.edits.iter().map(|edit| (edit.clone(), change(edit))).collect(),
             step: scene.time.step,
-            steps: match scene.edits.is_empty() {
+            steps: match scene.edits.is_empty() && !scene.is_dynamic() {
                 true => 0,
                 false => scene.time.steps.or(last).unwrap_or(0),
             },
@@ -50,7 +50,7 @@ impl EditSchedule {
         }
     }
 
-    /// Number of steps after the first equilibrium: the scene's, else up to the last edit; none without edits.
+    /// Number of steps after the first equilibrium: the scene's, else up to the last edit; none in a static run without edits.
     pub fn steps(&self) -> usize {
         self.steps
     }

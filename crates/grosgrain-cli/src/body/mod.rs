@@ -12,7 +12,7 @@ use grosgrain::mesh::{NodeSelection, Removed, Selector, Volume, VoxelGrid, keep_
 
 use crate::failure::Failure;
 use crate::quantities::{counted, triple_count};
-use crate::scene::{Keep, Labelling, LoadKind, Scene};
+use crate::scene::{Keep, Labelling, Scene};
 
 /// The body of a scene, ready to be modelled.
 #[derive(Clone, Debug, PartialEq)]
@@ -85,10 +85,7 @@ fn precedence(scene: &Scene) -> Vec<grosgrain::mesh::Label> {
 /// The selectors of all conditions with the keys they stand under.
 fn conditions(scene: &Scene) -> Vec<(&str, &Selector)> {
     let fixes = scene.fixes.iter().map(|fix| (fix.key.as_str(), &fix.selection));
-    let loads = scene.loads.iter().filter_map(|load| match &load.kind {
-        LoadKind::Gravity(_) => None,
-        LoadKind::Traction(selection, _) | LoadKind::Force(selection, _) => Some((load.key.as_str(), selection)),
-    });
+    let loads = scene.loads.iter().filter_map(|load| Some((load.key.as_str(), load.selection()?)));
     fixes.chain(loads).collect()
 }
 
@@ -97,10 +94,25 @@ fn conditions(scene: &Scene) -> Vec<(&str, &Selector)> {
 /// # Errors
 /// A selection that holds no node of the body.
 pub fn held_nodes(scene: &Scene, grid: &VoxelGrid) -> Result<Vec<bool>, Failure> {
+    marked_by(scene, grid, scene.fixes.iter().map(|fix| (fix.key.as_str(), &fix.selection)))
+}
+
+/// The nodes that a `[[fix]]` or a spring keeps from moving freely.
+fn supported_nodes(scene: &Scene, grid: &VoxelGrid) -> Result<Vec<bool>, Failure> {
+    let fixes = scene.fixes.iter().map(|fix| (fix.key.as_str(), &fix.selection));
+    let springs = scene.loads.iter().filter(|load| load.is_spring());
+    marked_by(scene, grid, fixes.chain(springs.filter_map(|load| Some((load.key.as_str(), load.selection()?)))))
+}
+
+fn marked_by<'s>(
+    scene: &Scene,
+    grid: &VoxelGrid,
+    selectors: impl Iterator<Item = (&'s str, &'s Selector)>,
+) -> Result<Vec<bool>, Failure> {
     let mut held = vec![false; grid.lattice.node_count()];
-    for fix in &scene.fixes {
+    for (key, selector) in selectors {
         let NodeSelection { mask, .. } =
-            fix.selection.nodes(grid).map_err(|error| unusable(scene, &format!("{}.where", fix.key), error))?;
+            selector.nodes(grid).map_err(|error| unusable(scene, &format!("{key}.where"), error))?;
         held.iter_mut().zip(mask).for_each(|(held, here)| *held |= here);
     }
     Ok(held)

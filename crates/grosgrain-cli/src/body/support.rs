@@ -2,19 +2,19 @@
 
 use grosgrain::mesh::{LoosePart, VoxelGrid, loose_parts, parts_loose_from_largest};
 
-use super::held_nodes;
+use super::supported_nodes;
 use crate::failure::Failure;
 use crate::scene::Scene;
 
 /// Loose parts that are told one by one.
 const TOLD_PARTS: usize = 3;
 
-/// The sentence about parts that can still move when the scene's `[[fix]]` tables hold the body; `None` if none can.
+/// The sentence about parts that can still move when the scene's `[[fix]]` tables and springs hold the body; `None` if none can.
 ///
 /// # Errors
 /// A selection that holds no node of the body.
 pub fn loose_when_held(scene: &Scene, grid: &VoxelGrid) -> Result<Option<String>, Failure> {
-    let fixed: Vec<[bool; 3]> = held_nodes(scene, grid)?.into_iter().map(|held| [held; 3]).collect();
+    let fixed: Vec<[bool; 3]> = supported_nodes(scene, grid)?.into_iter().map(|held| [held; 3]).collect();
     Ok(sentence(&loose_parts(grid, &fixed)))
 }
 

@@ -48,6 +48,7 @@ struct Row {
 pub fn run(arguments: &Arguments, progress: &Progress) -> Result<(), Failure> {
     let problem = Problem::read(&arguments.scene, progress)?;
     problem.require_support()?;
+    problem.require_linear_statics()?;
     problem.tell_idle_edits(progress);
     let methods = match arguments.methods.is_empty() {
         // The method auto is one of the others.

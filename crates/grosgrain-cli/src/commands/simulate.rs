@@ -43,6 +43,7 @@ pub fn run(arguments: &Arguments, progress: &Progress) -> Result<(), Failure> {
     let start = Instant::now();
     let mut problem = Problem::read(&arguments.scene, progress)?;
     problem.require_support()?;
+    problem.require_linear_statics()?;
     let output = arguments.output.clone().unwrap_or_else(|| default_folder(&arguments.scene));
     let output = OutputFolder::make(&output)?;
     let folder = output.path();

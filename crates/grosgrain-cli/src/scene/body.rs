@@ -71,8 +71,8 @@ const KEYS: &[&str] = &[
     "volume", "grid", "pattern", "mesh", "spacing", "resample", "labels", "void", "young", "modulus", "keep", "loose",
 ];
 
-/// Reads `[body]`.
-pub fn read_body(item: &Item) -> Reading<Body> {
+/// Reads `[body]`; parts that edits cut loose fall in a dynamic run, and are dropped in a static one, unless the scene says it.
+pub fn read_body(item: &Item, dynamic: bool) -> Reading<Body> {
     let section = item.section(KEYS)?;
     let source = read_source(&section);
     let spacing = section
@@ -86,7 +86,8 @@ pub fn read_body(item: &Item) -> Reading<Body> {
     let loose = section.optional("loose", |l| l.choice(&[("drop", LooseParts::Drop), ("keep", LooseParts::Keep)]));
     let (source, labelling, modulus) = (source?, labelling?, modulus?);
     refuse_rules_without_values(&section, &source)?;
-    let (keep, loose) = (keep?.unwrap_or(Keep::All), loose?.unwrap_or_default());
+    let (keep, loose) =
+        (keep?.unwrap_or(Keep::All), loose?.unwrap_or(if dynamic { LooseParts::Keep } else { LooseParts::Drop }));
     Ok(Body { source, spacing: spacing?, resample: resample?, labelling, modulus, keep, loose })
 }
 

@@ -14,6 +14,18 @@ pub enum Training {
     Auto,
 }
 
+/// How the energy of a coarse element of nonlinear material is integrated.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Integration {
+    /// Eight points in every fine cell.
+    #[default]
+    Gauss,
+    /// The centre of every fine cell, with a stabilisation of the linear material.
+    Centre,
+    /// None: the stiffness of the linear material in a frame that turns with the element.
+    Stiffness,
+}
+
 /// The `[coarsening]` table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coarsening {
@@ -29,9 +41,14 @@ pub struct Coarsening {
     pub objective: Objective,
     /// Whether coarse cells in several parts get an element for each.
     pub split: bool,
+    /// How energies are integrated, where the scene says it.
+    pub integration: Option<Integration>,
+    /// Whether edits renew the shape functions.
+    pub update: bool,
 }
 
-const KEYS: &[&str] = &["degree", "training", "data_tolerance", "fields", "base", "objective", "split"];
+const KEYS: &[&str] =
+    &["degree", "training", "data_tolerance", "fields", "base", "objective", "split", "integration", "update"];
 
 /// Reads `[coarsening]`.
 pub fn read_coarsening(item: &Item) -> Reading<Coarsening> {
@@ -49,6 +66,10 @@ pub fn read_coarsening(item: &Item) -> Reading<Coarsening> {
     let objectives = [("closed-form", Objective::ClosedForm), ("coupled", Objective::Coupled)];
     let objective = section.optional("objective", |objective| objective.choice(&objectives));
     let split = section.optional("split", Item::boolean);
+    let integrations =
+        [("gauss", Integration::Gauss), ("centre", Integration::Centre), ("stiffness", Integration::Stiffness)];
+    let integration = section.optional("integration", |i| i.choice(&integrations));
+    let update = section.optional("update", Item::boolean);
     fields?;
     let (training, data_tolerance) = (training?.unwrap_or(Training::Kind(TrainingKind::OneRing)), data_tolerance?);
     if data_tolerance.is_some() && training != Training::Kind(TrainingKind::Substructured) {
@@ -62,6 +83,8 @@ pub fn read_coarsening(item: &Item) -> Reading<Coarsening> {
         base: base?.unwrap_or(BaseKind::Harmonic),
         objective: objective?.unwrap_or(Objective::ClosedForm),
         split: split?.unwrap_or(true),
+        integration: integration?,
+        update: update?.unwrap_or(true),
     })
 }
 

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use grosgrain::material::{Elasticity, Law};
+use grosgrain::material::Elasticity;
 use grosgrain::mesh::{Label, Pattern};
 
 use super::body::{Keep, Source, VoxelModulus};
@@ -13,7 +13,7 @@ use super::labels::Labelling;
 use super::materials::Constants;
 use super::pattern::Filling;
 use super::section::{Section, enumeration};
-use super::{Problem, Scene, SceneError, SceneMaterial};
+use super::{Scene, SceneMaterial, run_kind};
 
 /// Notes what does not fit together.
 pub fn check(root: &Section, scene: &Scene) -> Reading<()> {
@@ -22,6 +22,7 @@ pub fn check(root: &Section, scene: &Scene) -> Reading<()> {
         refuse_missing_density(root, scene),
         refuse_idle_keys(root, scene),
         edits::check(root, scene),
+        run_kind::check(root, scene),
     ];
     checks.into_iter().collect()
 }
@@ -73,21 +74,30 @@ fn refuse_missing_materials(root: &Section, scene: &Scene) -> Reading<()> {
     }
 }
 
-/// Gravity needs densities; so does a law that gives some voxels one, since then every voxel must have one.
+/// Gravity and inertia need densities; so does a law that gives some voxels one, since then every voxel must have one.
 fn refuse_missing_density(root: &Section, scene: &Scene) -> Reading<()> {
     let gravity = scene.loads.iter().find(|load| matches!(load.kind, LoadKind::Gravity(_)));
     let reason = match gravity {
         Some(gravity) => format!("{} is gravity", gravity.key),
+        None if scene.is_dynamic() => "the run is dynamic".into(),
         None if has_law(scene) => "body.modulus gives other voxels a density".into(),
         None => return Ok(()),
     };
     let from_law = |m: &SceneMaterial| has_law(scene) && matches!(m.constants, Constants::YoungPerVoxel { .. });
-    let refuse = |m: &SceneMaterial| {
+    let missing = |m: &SceneMaterial| {
         let sentence = format!("materials.{}.density is missing, but {reason}; expected the density in kg/m³", m.name);
         Err(root.note_at(&["materials", &m.name], sentence))
     };
-    let lacking = scene.materials.iter().filter(|m| m.density.is_none() && !from_law(m));
-    lacking.map(refuse).collect::<Vec<_>>().into_iter().collect()
+    let weightless = |m: &SceneMaterial| {
+        let sentence = "is zero, but the run is dynamic; expected a positive density in kg/m³";
+        Err(root.note_at(&["materials", &m.name, "density"], format!("materials.{}.density {sentence}", m.name)))
+    };
+    let checks = scene.materials.iter().map(|m| match m.density {
+        None if !from_law(m) => missing(m),
+        Some(0.0) if scene.is_dynamic() => weightless(m),
+        _ => Ok(()),
+    });
+    checks.collect::<Vec<_>>().into_iter().collect()
 }
 
 fn refuse_idle_keys(root: &Section, scene: &Scene) -> Reading<()> {
@@ -132,16 +142,7 @@ fn refuse_mixed_stiffness(root: &Section, scene: &Scene) -> Reading<()> {
 
 /// What the user should know although the scene is usable.
 pub fn warnings(scene: &Scene) -> Vec<String> {
-    let nonlinear = scene.materials.iter().filter(|m| m.law != Law::Linear);
-    let mut warnings: Vec<String> = nonlinear
-        .map(|m| {
-            let name = match m.law {
-                Law::NeoHookean => "neo-hookean",
-                _ => "corotational",
-            };
-            format!("materials.{}.model {name:?} is treated as linear for small displacements in this version", m.name)
-        })
-        .collect();
+    let mut warnings = Vec::new();
     if let Some(labels) = solid_labels(scene) {
         let used_later = |name: &String| scene.edits.iter().any(|e| e.sets(name));
         let idle = scene.materials.iter().filter(|m| !labels.contains(&m.label) && !used_later(&m.name));
@@ -149,20 +150,15 @@ pub fn warnings(scene: &Scene) -> Vec<String> {
             format!("materials.{} is never used: no solid part of the body has its label {}", m.name, m.label)
         }));
     }
-    warnings.extend(idle_times(scene));
+    warnings.extend(run_kind::warnings(scene));
+    warnings.extend(late_edits(scene));
     warnings
 }
 
-/// Keys of the run's steps that have no effect, and edits that come too late.
-fn idle_times(scene: &Scene) -> Vec<String> {
+/// Edits that come too late.
+fn late_edits(scene: &Scene) -> Vec<String> {
     let time = &scene.time;
-    let mut idle: Vec<String> = Vec::new();
-    if scene.edits.is_empty() {
-        idle.extend(time.step.map(|_| "time.step".into()));
-        idle.extend(time.steps.map(|_| "time.steps".into()));
-    }
-    idle.extend(time.unused.iter().cloned());
-    let mut warnings: Vec<String> = idle.iter().map(|key| format!("{key} has no effect in a static run")).collect();
+    let mut warnings = Vec::new();
     for edit in &scene.edits {
         let cut_off = time.steps.zip(edit.last_step(time.step)).filter(|(steps, last)| last > steps);
         let told = edit.repeat.is_some_and(|r| r.times.is_some() || r.until.is_some());
@@ -171,28 +167,4 @@ fn idle_times(scene: &Scene) -> Vec<String> {
         }
     }
     warnings
-}
-
-impl Scene {
-    /// Refuses a static run of a body that nothing holds or nothing loads.
-    ///
-    /// # Errors
-    /// No `[[fix]]`; no `[[load]]`.
-    pub fn require_conditions(&self) -> Result<(), SceneError> {
-        let mut sentences = Vec::new();
-        if self.fixes.is_empty() {
-            sentences.push("the body hangs on nothing; expected at least one table [[fix]]");
-        }
-        if self.loads.is_empty() {
-            sentences.push("nothing loads the body, so it would not move; expected at least one table [[load]]");
-        }
-        let problem = |sentence: &str| Problem { line: 0, sentence: sentence.into() };
-        match sentences.is_empty() {
-            true => Ok(()),
-            false => Err(SceneError::Unusable {
-                file: self.file.clone(),
-                problems: sentences.into_iter().map(problem).collect(),
-            }),
-        }
-    }
 }

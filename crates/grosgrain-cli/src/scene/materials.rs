@@ -75,9 +75,10 @@ fn read_material(name: &str, item: &Item, young_per_voxel: bool) -> Reading<Scen
     let constants = read_constants(&section, young_per_voxel);
     let density = section.optional("density", Item::non_negative);
     let law = model?.unwrap_or_default();
-    if let (Some(stiffness), true) = (section.get("stiffness"), law == Law::NeoHookean) {
+    let nonlinear = models.iter().find(|(_, known)| *known == law && law != Law::Linear);
+    if let (Some(stiffness), Some((name, _))) = (section.get("stiffness"), nonlinear) {
         return Err(stiffness.note(format!(
-            "{} is given to a neo-Hookean material; expected young and poisson, or model = \"linear\"",
+            "{} is given to a {name} material; expected young and poisson, or model = \"linear\"",
             stiffness.key()
         )));
     }

@@ -11,11 +11,15 @@ mod document;
 mod edits;
 mod labels;
 mod materials;
+mod motion;
 mod output;
 mod pattern;
 mod problem;
+mod run_kind;
 mod section;
 mod selector;
+mod span;
+mod surroundings;
 mod time;
 
 use std::collections::BTreeMap;
@@ -24,16 +28,19 @@ use std::path::{Path, PathBuf};
 use toml::de::DeTable;
 
 pub use body::{Body, Keep, Source, VoxelModulus};
-pub use coarsening::{Coarsening, Training};
-pub use conditions::{Fix, Load, LoadKind};
+pub use coarsening::{Coarsening, Integration, Training};
+pub use conditions::{Fix, Load, LoadKind, Spring};
 pub use edits::{Repeat, SceneChange, SceneEdit, When};
 pub use labels::Labelling;
 pub use materials::{Constants, SceneMaterial};
+pub use motion::{SceneMotion, SceneTwist};
 pub use output::Output;
 pub use pattern::{Filling, Grid};
 pub use problem::{Problem, SceneError};
 pub use section::{alternatives, enumeration, nearest};
-pub use time::Time;
+pub use span::Span;
+pub use surroundings::{Ground, Start};
+pub use time::{Damping, Integrator, Mode, Time};
 
 use document::{Document, Item, Reading};
 use section::Section;
@@ -57,8 +64,12 @@ pub struct Scene {
     pub loads: Vec<Load>,
     /// What changes during the run.
     pub edits: Vec<SceneEdit>,
-    /// The steps of the run.
+    /// The kind of run and its steps.
     pub time: Time,
+    /// How the body moves at time zero.
+    pub start: Start,
+    /// The ground that it may land on.
+    pub contact: Option<Ground>,
     /// What a run writes.
     pub output: Output,
     /// The line of every key, so that what only the files show can name its place.
@@ -67,7 +78,8 @@ pub struct Scene {
     pub warnings: Vec<String>,
 }
 
-const KEYS: &[&str] = &["title", "body", "materials", "coarsening", "time", "fix", "load", "edit", "contact", "output"];
+const KEYS: &[&str] =
+    &["title", "body", "materials", "coarsening", "time", "start", "fix", "load", "edit", "contact", "output"];
 
 /// Reads and checks the scene in `file`.
 ///
@@ -98,17 +110,19 @@ pub fn read_scene(file: &Path) -> Result<Scene, SceneError> {
 
 fn read_root<'s>(document: &'s Document<'s>, table: &'s toml::Spanned<DeTable<'s>>, file: &Path) -> Reading<Scene> {
     let root = Section::new(document, String::new(), 0..0, table.get_ref()).limited_to(KEYS);
-    let refusals = refuse_what_comes_later(&root);
     let title = root.optional("title", |title| title.text());
-    let body = root.required("body", "the table [body] with volume, or grid and pattern", body::read_body);
+    let body = root.required("body", "the table [body] with volume, or grid and pattern", |body| {
+        body::read_body(body, time::is_dynamic(&root))
+    });
     let materials = read_materials(&root);
     let coarsening = root.required("coarsening", "the table [coarsening] with degree", coarsening::read_coarsening);
     let time = root.optional("time", time::read_time);
     let fixes = root.optional("fix", conditions::read_fixes);
     let loads = root.optional("load", conditions::read_loads);
     let edits = root.optional("edit", edits::read_edits);
+    let start = root.optional("start", surroundings::read_start);
+    let contact = root.optional("contact", surroundings::read_contact);
     let output = root.optional("output", output::read_output);
-    refusals?;
     let title = title?.map_or_else(|| stem(file), String::from);
     let mut scene = Scene {
         file: file.to_path_buf(),
@@ -120,6 +134,8 @@ fn read_root<'s>(document: &'s Document<'s>, table: &'s toml::Spanned<DeTable<'s
         loads: loads?.unwrap_or_default(),
         edits: edits?.unwrap_or_default(),
         time: time?.unwrap_or_default(),
+        start: start?.unwrap_or_default(),
+        contact: contact?,
         output: output?.unwrap_or_default(),
         lines: root.entries().iter().flat_map(|(_, item)| item.lines()).collect(),
         warnings: Vec::new(),
@@ -137,15 +153,6 @@ fn read_materials(root: &Section) -> Reading<Vec<SceneMaterial>> {
     match has("modulus") {
         true => root.optional("materials", read).map(Option::unwrap_or_default),
         false => root.required("materials", "one table [materials.NAME] for each label of the body", read),
-    }
-}
-
-fn refuse_what_comes_later(root: &Section) -> Reading<()> {
-    match root.get("contact") {
-        None => Ok(()),
-        Some(item) => {
-            Err(item.note("contact asks for contact with a ground, which this version cannot do; leave it out".into()))
-        }
     }
 }
 

@@ -10,6 +10,7 @@ mod hold_checks;
 mod integrator;
 mod motion;
 mod newton;
+mod rigid_velocity;
 mod state;
 mod static_solve;
 
@@ -21,7 +22,8 @@ pub use fine_body::{FineBody, FineMechanics};
 pub use hold::{Hold, Holds};
 pub use hold_checks::{GroundPassage, HoldConflict};
 pub use integrator::{Damping, Integrator, StepError, StepOptions, StepReport, Stepper, check_state};
-pub use motion::{Motion, MotionAt, Ramp, Twist};
+pub use motion::{Motion, MotionAt, Ramp, Twist, lasts};
 pub use newton::{NewtonError, NewtonOptions};
+pub use rigid_velocity::{RigidVelocity, centre_of_mass};
 pub use state::State;
 pub use static_solve::{CoarseSolution, FineSolution, relative_error, solve_coarse, solve_fine};

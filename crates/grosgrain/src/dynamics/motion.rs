@@ -2,6 +2,14 @@
 
 use crate::linalg::matrix3::{Matrix3, apply, cross, dot};
 
+/// Relative slack by which a time may exceed an end and still count as not later.
+const SAME_TIME: f64 = 1e-9;
+
+/// Whether what ends at `until` \[s\] is still there at a time \[s\]: at its end it is; `None` never ends.
+pub fn lasts(until: Option<f64>, time: f64) -> bool {
+    until.is_none_or(|until| time <= until + SAME_TIME * until.abs())
+}
+
 /// A linear growth from 0 at one time to 1 at another.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Ramp {
@@ -204,6 +212,11 @@ mod tests {
         assert_eq!([0.0, 1.0, 2.9, 3.0].map(|t| ramp.rate(t)), [0.0, 0.5, 0.5, 0.0]);
         assert_eq!(Ramp::default().progress(0.0), 1.0);
         assert_eq!([0.9, 1.0].map(|t| Ramp { from: 1.0, to: 1.0 }.progress(t)), [0.0, 1.0]);
+    }
+
+    #[test]
+    fn rounding_of_a_step_ends_nothing_early() {
+        assert!(3.0 * 0.1 > 0.3 && lasts(Some(0.3), 3.0 * 0.1) && !lasts(Some(0.3), 0.3001) && lasts(None, f64::MAX));
     }
 
     #[test]

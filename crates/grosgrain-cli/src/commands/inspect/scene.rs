@@ -11,10 +11,12 @@ use super::row;
 use super::volume::memory_row;
 use crate::body::{Body, build_body, loose_from_largest, loose_when_held, solid_counts};
 use crate::failure::Failure;
+use crate::held_parts::{check_held_parts, held_parts};
 use crate::memory;
 use crate::progress::Progress;
 use crate::quantities::{count, counted, number, triple, triple_count};
 use crate::scene::{Coarsening, Scene, read_scene};
+use crate::schedule::EditSchedule;
 
 /// What a scene describes.
 #[derive(Debug, Serialize)]
@@ -36,6 +38,8 @@ pub struct SceneSummary {
     fixes: usize,
     loads: usize,
     edits: usize,
+    mode: &'static str,
+    steps: usize,
     direct_bytes: f64,
     iterative_bytes: f64,
 }
@@ -56,7 +60,9 @@ pub fn summarise(file: &Path, progress: &Progress) -> Result<SceneSummary, Failu
     scene.warnings.iter().for_each(|warning| progress.warn(warning));
     let body = build_body(&scene)?;
     body.remarks.iter().for_each(|remark| progress.say(remark));
+    check_held_parts(&scene, &body.grid, &held_parts(&scene, &body.grid)?)?;
     let loose = match scene.fixes.is_empty() {
+        _ if scene.is_dynamic() => None,
         true => loose_from_largest(&body.grid),
         false => loose_when_held(&scene, &body.grid)?,
     };
@@ -87,6 +93,8 @@ fn summary(scene: &Scene, body: &Body) -> Result<SceneSummary, Failure> {
         fixes: scene.fixes.len(),
         loads: scene.loads.len(),
         edits: scene.edits.len(),
+        mode: if scene.is_dynamic() { "dynamic" } else { "static" },
+        steps: EditSchedule::new(scene, grid).steps(),
         direct_bytes: memory::direct(3 * fine_nodes),
         iterative_bytes: memory::iterative(3 * fine_nodes),
     })
@@ -147,6 +155,8 @@ impl SceneSummary {
         ];
         rows.extend(self.materials.iter().map(MaterialSummary::row));
         rows.push(row("conditions", format!("{} fixed, {} loaded", count(self.fixes), count(self.loads))));
+        let steps = if self.steps > 0 { format!(", {}", counted(self.steps, "step")) } else { String::new() };
+        rows.push(row("run", format!("{}{steps}", self.mode)));
         if self.edits > 0 {
             rows.push(row("edits", count(self.edits)));
         }
