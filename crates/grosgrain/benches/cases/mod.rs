@@ -4,6 +4,7 @@
 
 pub mod coarse;
 pub mod fitting;
+pub mod forces;
 pub mod harmonic;
 pub mod lattice;
 pub mod updates;

@@ -1,7 +1,9 @@
 //! Stresses at the centres of fine cells.
 
 use super::FineModel;
-use super::forces::{corner_displacements, deformation_gradient, gauss_gradients, gradients_at};
+use super::forces::{
+    GaussPoints, corner_displacements, deformation_gradient, gradients_at, smallest_determinant as smallest_of,
+};
 use crate::element::Hex8;
 use crate::linalg::matrix3::{determinant, product, transposed};
 use crate::material::{Law, PointLaw};
@@ -52,12 +54,10 @@ pub fn cauchy_stresses(model: &FineModel, displacement: &[f64]) -> Vec<[f64; 6]>
 /// and a cell is inverted where it is not positive.
 pub fn smallest_determinant(model: &FineModel, displacement: &[f64]) -> (Cell, f64) {
     let lattice = model.grid().lattice;
-    let points = gauss_gradients(model.grid().spacing);
+    let points = GaussPoints::new(model.grid().spacing);
     let mut smallest = (Cell(0), f64::INFINITY);
     for cell in (0..lattice.cell_count()).map(Cell).filter(|cell| !model.is_void(*cell)) {
-        let u = corner_displacements(lattice, cell, displacement);
-        let determinants = points.iter().map(|gradients| determinant(&deformation_gradient(gradients, &u)));
-        let least = determinants.fold(f64::INFINITY, f64::min);
+        let least = smallest_of(&points, &corner_displacements(lattice, cell, displacement));
         if least < smallest.1 {
             smallest = (cell, least);
         }

@@ -4,7 +4,9 @@
 mod cholesky;
 mod conjugate_gradients;
 mod dense_cholesky;
+pub(crate) mod lanes;
 pub mod matrix3;
+pub(crate) mod matrix3_lanes;
 mod multifrontal;
 mod ordering;
 mod reduction;

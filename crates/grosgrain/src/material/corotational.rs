@@ -7,7 +7,7 @@ use super::spectral::{PAIRS, SpectralTangent, compose};
 use crate::linalg::matrix3::{Matrix3, svd};
 
 /// Below this sum of two singular values the rotation has no derivative; the twist is stiffened no further.
-const SMALLEST_SUM: f64 = 1e-6;
+pub(super) const SMALLEST_SUM: f64 = 1e-6;
 
 pub(super) fn energy(lambda: f64, mu: f64, f: &Matrix3) -> f64 {
     energy_of(lambda, mu, &svd(f).values)

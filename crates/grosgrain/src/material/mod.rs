@@ -1,6 +1,7 @@
 //! Materials: isotropic and fully anisotropic elasticity, its laws of large deformation, and the table label → material.
 
 mod corotational;
+mod eight;
 mod elasticity_tensor;
 mod isotropic;
 mod law;
@@ -10,6 +11,8 @@ mod point_law;
 mod spectral;
 mod table;
 
+pub(crate) use eight::matrix_at;
+pub use eight::{EightMatrices, EightTangents};
 pub use elasticity_tensor::{ElasticityTensor, ElasticityTensorError};
 pub use isotropic::{IsotropicMaterial, IsotropicMaterialError};
 pub use law::Law;

@@ -42,7 +42,7 @@ fn displacement_gradient(f: &Matrix3) -> Matrix3 {
 }
 
 /// ln J, `None` unless J is positive and finite.
-fn logarithm(f: &Matrix3) -> Option<f64> {
+pub(super) fn logarithm(f: &Matrix3) -> Option<f64> {
     let determinant = determinant(f);
     if !(determinant > 0.0 && determinant.is_finite()) {
         return None;

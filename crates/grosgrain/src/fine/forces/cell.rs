@@ -1,49 +1,40 @@
 //! Energy, forces and tangent of one cell.
 
-use super::points::{Contraction, CornerVectors, Gradients, add_forces, deformation_gradient};
+use super::points::{Contraction, CornerVectors, GaussPoints};
 use crate::element::CellMatrix;
 use crate::linalg::matrix3::determinant;
-use crate::material::{PointLaw, Projection};
+use crate::material::{PointLaw, Projection, matrix_at};
 
 /// Energy \[J\]; `None` where a Gauss point is inverted. `weight` is the volume of a point times the factor of the moduli.
-pub(super) fn energy(points: &[Gradients; 8], weight: f64, law: &PointLaw, u: &CornerVectors) -> Option<f64> {
-    let mut sum = 0.0;
-    for gradients in points {
-        sum += law.energy(&deformation_gradient(gradients, u))?;
-    }
-    Some(weight * sum)
+pub(super) fn energy(points: &GaussPoints, weight: f64, law: &PointLaw, u: &CornerVectors) -> Option<f64> {
+    let mut stress = [[[0.0; 8]; 3]; 3];
+    Some(weight * law.stress_at_eight(&points.deformation_gradients(u), &mut stress)?)
 }
 
 /// Energy \[J\] and forces Σ w P ∇N_a \[N\]; `None` where a Gauss point is inverted.
 pub(super) fn forces(
-    points: &[Gradients; 8],
+    points: &GaussPoints,
     weight: f64,
     law: &PointLaw,
     u: &CornerVectors,
 ) -> Option<(f64, CornerVectors)> {
-    let (mut sum, mut forces) = (0.0, [[0.0; 8]; 3]);
-    for gradients in points {
-        let (energy, stress) = law.stress(&deformation_gradient(gradients, u))?;
-        sum += energy;
-        add_forces(weight, &stress, gradients, &mut forces);
-    }
-    Some((weight * sum, forces))
+    let mut stress = [[[0.0; 8]; 3]; 3];
+    let energy = law.stress_at_eight(&points.deformation_gradients(u), &mut stress)?;
+    Some((weight * energy, points.forces(weight, &stress)))
 }
 
 /// Writes the tangent \[N/m\]; `None` where a Gauss point is inverted.
 pub(super) fn tangent(
-    points: &[Gradients; 8],
+    points: &GaussPoints,
     weight: f64,
-    law: &PointLaw,
-    projection: Projection,
+    (law, projection): (&PointLaw, Projection),
     u: &CornerVectors,
     out: &mut CellMatrix,
 ) -> Option<()> {
-    let mut tangents = [[[0.0; 9]; 9]; 8];
-    for (tangent, gradients) in tangents.iter_mut().zip(points) {
-        *tangent = law.tangent(&deformation_gradient(gradients, u), projection)?.2;
-    }
-    pulp::Arch::new().dispatch(Contraction { weight, points, tangents: &tangents, out });
+    let mut tangents = [[[0.0; 8]; 9]; 9];
+    law.tangent_at_eight(&points.deformation_gradients(u), projection, &mut tangents)?;
+    let gradients = &points.gradients;
+    pulp::Arch::new().dispatch(Contraction { weight, gradients, tangents: &tangents, out });
     Some(())
 }
 
@@ -61,7 +52,8 @@ pub(super) fn linear(factor: f64, reference: &CellMatrix, u: &CornerVectors) -> 
 }
 
 /// The smallest det F over the Gauss points; not a number if one of them is not.
-pub(super) fn smallest_determinant(points: &[Gradients; 8], u: &CornerVectors) -> f64 {
-    let determinants = points.iter().map(|gradients| determinant(&deformation_gradient(gradients, u)));
+pub(in crate::fine) fn smallest_determinant(points: &GaussPoints, u: &CornerVectors) -> f64 {
+    let f = points.deformation_gradients(u);
+    let determinants = (0..8).map(|point| determinant(&matrix_at(&f, point)));
     determinants.reduce(|a, b| if a.is_nan() || a < b { a } else { b }).unwrap_or(f64::NAN)
 }

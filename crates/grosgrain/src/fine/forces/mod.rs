@@ -13,9 +13,10 @@ use super::FineModel;
 use crate::assembly::CellStiffness;
 use crate::material::{Law, PointLaw, Projection};
 use crate::mesh::{Cell, Lattice};
-use points::{CornerVectors, Gradients};
+use points::CornerVectors;
 
-pub(super) use points::{corner_displacements, deformation_gradient, gauss_gradients, gradients_at};
+pub(super) use cell::smallest_determinant;
+pub(super) use points::{GaussPoints, corner_displacements, deformation_gradient, gradients_at};
 pub use tangents::CellTangents;
 
 /// A cell that is turned inside out somewhere, where its material has no energy.
@@ -37,7 +38,7 @@ pub struct InvertedCell {
 /// a model that was [changed](FineModel::change) needs no new one.
 #[derive(Clone, Debug)]
 pub struct FineForces {
-    points: [Gradients; 8],
+    points: GaussPoints,
     /// Volume that belongs to a Gauss point \[m³\].
     weight: f64,
     /// By index of the material; `None` for linear ones.
@@ -52,7 +53,7 @@ impl FineForces {
             Law::Corotational | Law::NeoHookean => Some(PointLaw::of(material, 1.0)),
         };
         Self {
-            points: gauss_gradients(model.grid.spacing),
+            points: GaussPoints::new(model.grid.spacing),
             weight: model.grid.cell_volume() / 8.0,
             laws: model.materials.iter().map(|(_, material)| law(material)).collect(),
         }
@@ -124,7 +125,7 @@ impl FineForces {
             match self.law(model, cell) {
                 Some(law) => {
                     let local = corner_displacements(lattice, cell, u);
-                    let tangent = cell::tangent(&self.points, self.weight * factor, law, projection, &local, matrix);
+                    let tangent = cell::tangent(&self.points, self.weight * factor, (law, projection), &local, matrix);
                     tangent.is_none().then(|| self.inverted(lattice, cell, &local))
                 }
                 None => {
@@ -181,7 +182,7 @@ impl FineForces {
     }
 
     fn inverted(&self, lattice: Lattice, cell: Cell, u: &CornerVectors) -> InvertedCell {
-        InvertedCell { cell, at: lattice.cell_position(cell), determinant: cell::smallest_determinant(&self.points, u) }
+        InvertedCell { cell, at: lattice.cell_position(cell), determinant: smallest_determinant(&self.points, u) }
     }
 }
 

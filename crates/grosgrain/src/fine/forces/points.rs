@@ -3,8 +3,9 @@
 //! Inside a cell, vectors are stored component by component, `u[component][corner]`: the eight corners fill a vector register.
 
 use crate::element::{CellMatrix, gauss_2x2x2, trilinear_gradients};
+use crate::linalg::lanes::Lanes;
 use crate::linalg::matrix3::Matrix3;
-use crate::material::Matrix9;
+use crate::material::{EightMatrices, EightTangents};
 use crate::mesh::{Cell, Lattice};
 
 /// Displacements \[m\] or forces \[N\] of a cell's corners, `[component][corner]`.
@@ -20,8 +21,37 @@ pub(in crate::fine) fn gradients_at(spacing: [f64; 3], at: [f64; 3]) -> Gradient
 }
 
 /// Gradients at the eight Gauss points.
-pub(in crate::fine) fn gauss_gradients(spacing: [f64; 3]) -> [Gradients; 8] {
-    gauss_2x2x2().map(|point| gradients_at(spacing, point.at))
+#[derive(Clone, Debug)]
+pub(in crate::fine) struct GaussPoints {
+    /// Point by point.
+    pub gradients: [Gradients; 8],
+    /// The same as `[l][corner a][point]`.
+    across: [[[f64; 8]; 8]; 3],
+}
+
+impl GaussPoints {
+    /// The points of a cell with edge lengths `spacing` \[m\].
+    pub fn new(spacing: [f64; 3]) -> Self {
+        let gradients = gauss_2x2x2().map(|point| gradients_at(spacing, point.at));
+        let across = std::array::from_fn(|l| std::array::from_fn(|a| gradients.map(|point| point[l][a])));
+        Self { gradients, across }
+    }
+
+    /// F at all points.
+    #[inline]
+    pub fn deformation_gradients(&self, u: &CornerVectors) -> EightMatrices {
+        let mut f = [[[0.0; 8]; 3]; 3];
+        pulp::Arch::new().dispatch(DeformationGradients { across: &self.across, u, f: &mut f });
+        f
+    }
+
+    /// Σ_q weight P_q ∇N_a for every corner a.
+    #[inline]
+    pub fn forces(&self, weight: f64, stress: &EightMatrices) -> CornerVectors {
+        let mut forces = [[0.0; 8]; 3];
+        pulp::Arch::new().dispatch(Forces { gradients: &self.gradients, weight, stress, forces: &mut forces });
+        forces
+    }
 }
 
 /// The corner displacements of a cell out of a lattice vector.
@@ -42,13 +72,52 @@ pub(in crate::fine) fn deformation_gradient(gradients: &Gradients, u: &CornerVec
     })
 }
 
-/// forces += weight P ∇N_a for every corner a.
-#[inline]
-pub(super) fn add_forces(weight: f64, stress: &Matrix3, gradients: &Gradients, forces: &mut CornerVectors) {
-    for (i, j) in (0..9).map(|n| (n / 3, n % 3)) {
-        let scaled = weight * stress[i][j];
-        for a in 0..8 {
-            forces[i][a] += scaled * gradients[j][a];
+struct DeformationGradients<'a> {
+    across: &'a [[[f64; 8]; 8]; 3],
+    u: &'a CornerVectors,
+    f: &'a mut EightMatrices,
+}
+
+impl pulp::WithSimd for DeformationGradients<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, simd: S) {
+        for (vector, i) in (0..Lanes::<S>::VECTORS).flat_map(|v| (0..3).map(move |i| (v, i))) {
+            let mut row: [Lanes<S>; 3] = std::array::from_fn(|_| Lanes::splat(simd, 0.0));
+            for (a, u) in self.u[i].iter().enumerate() {
+                let u = Lanes::splat(simd, *u);
+                row = std::array::from_fn(|l| u.times_plus(Lanes::load(simd, &self.across[l][a], vector), row[l]));
+            }
+            row[i] = row[i] + Lanes::splat(simd, 1.0);
+            (0..3).for_each(|l| row[l].store(&mut self.f[i][l], vector));
+        }
+    }
+}
+
+struct Forces<'a> {
+    gradients: &'a [Gradients; 8],
+    weight: f64,
+    stress: &'a EightMatrices,
+    forces: &'a mut CornerVectors,
+}
+
+impl pulp::WithSimd for Forces<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, simd: S) {
+        let weight = Lanes::splat(simd, self.weight);
+        for vector in 0..Lanes::<S>::VECTORS {
+            let mut sums: [Lanes<S>; 3] = std::array::from_fn(|_| Lanes::splat(simd, 0.0));
+            for (q, gradients) in self.gradients.iter().enumerate() {
+                for j in 0..3 {
+                    let corners = Lanes::load(simd, &gradients[j], vector);
+                    let stress = |i: usize| Lanes::splat(simd, self.stress[i][j][q]);
+                    sums = std::array::from_fn(|i| stress(i).times_plus(corners, sums[i]));
+                }
+            }
+            (0..3).for_each(|i| (weight * sums[i]).store(&mut self.forces[i], vector));
         }
     }
 }
@@ -56,8 +125,8 @@ pub(super) fn add_forces(weight: f64, stress: &Matrix3, gradients: &Gradients, f
 /// out = Σ_q weight Bᵀ A B: entry (a i, b k) is Σ_q Σ_jl ∂N_a/∂X_j A_ij,kl ∂N_b/∂X_l times `weight`. Symmetric bit for bit.
 pub(super) struct Contraction<'a> {
     pub weight: f64,
-    pub points: &'a [Gradients; 8],
-    pub tangents: &'a [Matrix9; 8],
+    pub gradients: &'a [Gradients; 8],
+    pub tangents: &'a EightTangents,
     pub out: &'a mut CellMatrix,
 }
 
@@ -68,11 +137,9 @@ impl pulp::WithSimd for Contraction<'_> {
     fn with_simd<S: pulp::Simd>(self, simd: S) {
         for (i, k) in [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)] {
             let mut block = [[0.0; 8]; 8];
-            for vector in 0..8 / S::F64_LANES {
+            for vector in 0..Lanes::<S>::VECTORS {
                 let sums = self.columns(simd, (i, k), vector);
-                for (row, sum) in block.iter_mut().zip(sums) {
-                    S::as_mut_simd_f64s(row).0[vector] = sum;
-                }
+                block.iter_mut().zip(sums).for_each(|(row, sum)| sum.store(row, vector));
             }
             write(self.weight, &block, (i, k), self.out);
         }
@@ -80,20 +147,17 @@ impl pulp::WithSimd for Contraction<'_> {
 }
 
 impl Contraction<'_> {
-    /// Rows a of the block of components (i, k), for one vector of corners b.
+    /// Rows a of the block of components (i, k), for one register of corners b.
     #[inline(always)]
-    fn columns<S: pulp::Simd>(&self, simd: S, (i, k): (usize, usize), vector: usize) -> [S::f64s; 8] {
-        let mut sums = [simd.splat_f64s(0.0); 8];
-        for (gradients, tangent) in self.points.iter().zip(self.tangents) {
+    fn columns<S: pulp::Simd>(&self, simd: S, (i, k): (usize, usize), vector: usize) -> [Lanes<S>; 8] {
+        let mut sums: [Lanes<S>; 8] = std::array::from_fn(|_| Lanes::splat(simd, 0.0));
+        for (q, gradients) in self.gradients.iter().enumerate() {
+            let corners: [Lanes<S>; 3] = std::array::from_fn(|l| Lanes::load(simd, &gradients[l], vector));
             for j in 0..3 {
-                let mut stress = simd.splat_f64s(0.0);
-                for l in 0..3 {
-                    let columns = S::as_simd_f64s(&gradients[l]).0[vector];
-                    stress = simd.mul_add_f64s(simd.splat_f64s(tangent[3 * i + j][3 * k + l]), columns, stress);
-                }
-                for (a, sum) in sums.iter_mut().enumerate() {
-                    *sum = simd.mul_add_f64s(simd.splat_f64s(gradients[j][a]), stress, *sum);
-                }
+                let entry = |l: usize| Lanes::splat(simd, self.tangents[3 * i + j][3 * k + l][q]);
+                let stress = entry(0).times_plus(corners[0], entry(1).times_plus(corners[1], entry(2) * corners[2]));
+                let slope = |a: usize| Lanes::splat(simd, gradients[j][a]);
+                sums = std::array::from_fn(|a| slope(a).times_plus(stress, sums[a]));
             }
         }
         sums

@@ -1,0 +1,109 @@
+//! A law at eight points at once, a point per lane of vector registers.
+
+mod corotational;
+mod neo_hookean;
+
+use super::{PointLaw, Projection};
+use crate::linalg::lanes::Lanes;
+use crate::linalg::matrix3::Matrix3;
+use crate::linalg::matrix3_lanes::{LaneMatrix, LaneSvd};
+
+/// Eight 3×3 matrices, `m[row][column][point]`.
+pub type EightMatrices = [[[f64; 8]; 3]; 3];
+
+/// Eight tangents ∂P/∂F \[Pa\], indexed like [`Matrix9`](super::Matrix9), the point last.
+pub type EightTangents = [[[f64; 8]; 9]; 9];
+
+impl PointLaw {
+    /// What [`stress`](Self::stress) gives at eight points: Σ ψ \[J/m³\], and P into `stress` \[Pa\]; `None` if one of them is inverted.
+    /// Equal to rounding.
+    pub fn stress_at_eight(&self, f: &EightMatrices, stress: &mut EightMatrices) -> Option<f64> {
+        let energies = match *self {
+            Self::NeoHookean { lambda, mu } => neo_hookean::stress(lambda, mu, f, stress)?,
+            Self::Corotational { lambda, mu } if corotational::is_upright(f) => {
+                corotational::stress(lambda, mu, f, stress)
+            }
+            _ => {
+                let mut energies = [0.0; 8];
+                for (point, energy) in energies.iter_mut().enumerate() {
+                    let (value, p) = self.stress(&matrix_at(f, point))?;
+                    *energy = value;
+                    (0..9).for_each(|n| stress[n / 3][n % 3][point] = p[n / 3][n % 3]);
+                }
+                energies
+            }
+        };
+        Some(energies.iter().sum())
+    }
+
+    /// What [`tangent`](Self::tangent) gives at eight points: ∂P/∂F into `tangent` \[Pa\]; `None` if one of them is inverted.
+    /// Equal to rounding.
+    pub fn tangent_at_eight(
+        &self,
+        f: &EightMatrices,
+        projection: Projection,
+        tangent: &mut EightTangents,
+    ) -> Option<()> {
+        match *self {
+            Self::NeoHookean { lambda, mu } => neo_hookean::tangent(lambda, mu, f, projection, tangent),
+            Self::Corotational { lambda, mu } if corotational::is_upright(f) => {
+                corotational::tangent(lambda, mu, f, projection, tangent);
+                Some(())
+            }
+            _ => (0..8).try_for_each(|point| self.tangent_at(f, point, projection, tangent)),
+        }
+    }
+
+    /// The tangent of one point by [`tangent`](Self::tangent).
+    fn tangent_at(
+        &self,
+        f: &EightMatrices,
+        point: usize,
+        projection: Projection,
+        out: &mut EightTangents,
+    ) -> Option<()> {
+        let (_, _, tangent) = self.tangent(&matrix_at(f, point), projection)?;
+        for (to, from) in out.iter_mut().flatten().zip(tangent.iter().flatten()) {
+            to[point] = *from;
+        }
+        Some(())
+    }
+}
+
+/// The matrix of one point.
+pub(crate) fn matrix_at(m: &EightMatrices, point: usize) -> Matrix3 {
+    std::array::from_fn(|i| std::array::from_fn(|j| m[i][j][point]))
+}
+
+/// Twists uₐ ⊗ v_b − u_b ⊗ vₐ (without 1/√2), in the order of [`PAIRS`](super::spectral::PAIRS).
+#[inline(always)]
+fn twists<S: pulp::Simd>(svd: &LaneSvd<S>) -> [[Lanes<S>; 9]; 3] {
+    super::spectral::PAIRS.map(|(a, b)| {
+        std::array::from_fn(|n| {
+            let (i, j) = (n / 3, n % 3);
+            svd.left[a][i].times_plus(svd.right[b][j], -(svd.left[b][i] * svd.right[a][j]))
+        })
+    })
+}
+
+/// Writes the entries of a symmetric tangent: `entry(row, column)` is asked for the upper triangle only.
+#[inline(always)]
+fn write<S: pulp::Simd>(out: &mut EightTangents, vector: usize, entry: impl Fn(usize, usize) -> Lanes<S>) {
+    for row in 0..9 {
+        for column in row..9 {
+            let value = entry(row, column);
+            value.store(&mut out[row][column], vector);
+            value.store(&mut out[column][row], vector);
+        }
+    }
+}
+
+#[inline(always)]
+fn store<S: pulp::Simd>(m: &LaneMatrix<S>, out: &mut EightMatrices, vector: usize) {
+    for (i, j) in (0..9).map(|n| (n / 3, n % 3)) {
+        m[i][j].store(&mut out[i][j], vector);
+    }
+}
+
+#[cfg(test)]
+mod tests;
