@@ -87,18 +87,18 @@ pub(super) fn add_layer(coarsening: &Coarsening, k: usize, layer: &[CellMatrix],
     });
 }
 
-fn add(sum: &mut CellMatrix, factor: f64, term: &CellMatrix) {
+pub(super) fn add(sum: &mut CellMatrix, factor: f64, term: &CellMatrix) {
     sum.iter_mut().zip(term).for_each(|(s, t)| *s += factor * t);
 }
 
 /// K with zero rows and columns where a component of a corner is no unknown.
-fn held(matrix: &CellMatrix, free: &[u8; 8]) -> CellMatrix {
+pub(super) fn held(matrix: &CellMatrix, free: &[u8; 8]) -> CellMatrix {
     let is_free = |i: usize| free[i / 3] >> (i % 3) & 1 == 1;
     std::array::from_fn(|e| if is_free(e / 24) && is_free(e % 24) { matrix[e] } else { 0.0 })
 }
 
 /// Pᵀ K P for the scalar weights p[f][c] applied to each component.
-fn projected(matrix: &CellMatrix, p: &[[f64; 8]; 8]) -> CellMatrix {
+pub(super) fn projected(matrix: &CellMatrix, p: &[[f64; 8]; 8]) -> CellMatrix {
     let mut half = [0.0; 576];
     for row in 0..24 {
         for f in 0..8 {

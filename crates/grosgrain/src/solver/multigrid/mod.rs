@@ -16,6 +16,8 @@ mod galerkin;
 mod grid;
 mod lattice_matrix;
 mod level;
+mod mesh_cycle;
+mod mesh_grid;
 mod stencil;
 mod transfer;
 
@@ -25,11 +27,14 @@ use crate::assembly::{CellStiffness, MatrixFree};
 use crate::linalg::{DenseCholeskyError, Preconditioner};
 use crate::mesh::Lattice;
 
+pub(super) use lattice_matrix::LatticeMatrix;
+pub(super) use mesh_cycle::MeshCycle;
+pub(super) use mesh_grid::MeshGrid;
+
 use chebyshev::Chebyshev;
 use coarsest::Coarsest;
 use galerkin::{CellMatrices, FineCells, add_layer, held_layer};
 use grid::{Coarsening, Layout};
-pub(super) use lattice_matrix::LatticeMatrix;
 use level::{FineLevel, Level};
 use stencil::StencilLevel;
 use transfer::Transfer;

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::super::SolverError;
-use super::block_matrix::BlockMatrix;
+use super::super::block_matrix::BlockMatrix;
 use crate::linalg::{Cholesky, CholeskyError, Preconditioner, SymbolicCholesky};
 
 /// Diagonal shift, relative to each diagonal entry, where rounding has made the matrix indefinite.

@@ -2,6 +2,7 @@
 
 use super::super::multigrid::LatticeMatrix;
 use super::super::{Multigrid, MultigridError, MultigridParameters, SolverError};
+use super::wear::Wear;
 use super::{LinearReport, indefinite};
 use crate::assembly::{CellStiffness, Constraints, free_components};
 use crate::linalg::{
@@ -11,11 +12,6 @@ use crate::mesh::Lattice;
 
 const MAX_ITERATIONS: usize = 1000;
 
-/// A cycle is renewed at the next update after a solve that needs more than this times the iterations of the first solve with it, per
-/// digit, and [`EXTRA`] more.
-const GROWTH: f64 = 1.5;
-const EXTRA: f64 = 5.0;
-
 /// Matrix, cycle and vectors.
 #[derive(Debug)]
 pub(super) struct LatticeCycle {
@@ -24,9 +20,7 @@ pub(super) struct LatticeCycle {
     free: Vec<u8>,
     matrix: LatticeMatrix,
     cycle: Option<Multigrid<'static>>,
-    /// Iterations per digit of the first solve with this cycle.
-    pace: Option<f64>,
-    is_worn: bool,
+    wear: Wear,
     loads: Vec<f64>,
     solution: Vec<f64>,
     workspace: ConjugateGradientWorkspace,
@@ -40,8 +34,7 @@ impl LatticeCycle {
             unknowns,
             free: Vec::new(),
             cycle: None,
-            pace: None,
-            is_worn: false,
+            wear: Wear::complete(),
             loads: matrix.zeros(),
             solution: matrix.zeros(),
             workspace: ConjugateGradientWorkspace::default(),
@@ -59,11 +52,11 @@ impl LatticeCycle {
         let changed = free != self.free;
         self.free = free;
         self.matrix.fill(cells, &self.free);
-        if changed || !lagged || self.is_worn || self.cycle.is_none() {
+        if changed || !lagged || self.wear.is_worn() {
             // The old one goes first, so that there is never memory for two.
-            self.cycle = None;
+            (self.cycle, self.wear) = (None, Wear::complete());
             self.cycle = Some(Multigrid::stored(cells, &self.free, self.parameters).map_err(|e| self.refused(e))?);
-            (self.pace, self.is_worn) = (None, false);
+            self.wear = Wear::none();
         }
         Ok(())
     }
@@ -84,7 +77,7 @@ impl LatticeCycle {
         let outcome = self.iterate(tolerance);
         self.matrix.scatter(&self.solution, vector);
         let ConjugateGradientInfo { iterations, relative_residual } = outcome?;
-        self.judge(iterations, relative_residual);
+        self.wear.book(iterations, relative_residual);
         Ok(LinearReport { iterations, relative_residual, refactored: false })
     }
 
@@ -99,15 +92,5 @@ impl LatticeCycle {
         let outcome = solver.solve(loads, solution, cycle, &|_, _| true);
         *workspace = solver.into_workspace();
         outcome.map_err(|error| indefinite(error, self.unknowns))
-    }
-
-    /// Whether the cycle has become too old.
-    fn judge(&mut self, iterations: usize, residual: f64) {
-        let digits = -residual.max(f64::MIN_POSITIVE).log10();
-        if iterations == 0 || digits <= 0.0 {
-            return;
-        }
-        let pace = *self.pace.get_or_insert(iterations as f64 / digits);
-        self.is_worn |= iterations as f64 > GROWTH * pace * digits + EXTRA;
     }
 }

@@ -1,12 +1,12 @@
 //! Newton systems (K + shift M) x = r: the matrices change in every iteration, the pattern stays, tolerances are loose.
 
-mod block_matrix;
 mod element;
 mod lagged_factor;
 mod lattice;
 mod lattice_cycle;
+mod wear;
 
-pub use element::ElementTangent;
+pub use element::{ElementCells, ElementTangent};
 pub use lattice::LatticeTangent;
 
 use super::SolverError;
