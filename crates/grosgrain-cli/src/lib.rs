@@ -6,6 +6,7 @@ pub mod body_surface;
 pub mod commands;
 pub mod deformed_volume;
 pub mod failure;
+pub mod film;
 pub mod frames;
 pub mod held_parts;
 pub mod interruption;

@@ -51,19 +51,27 @@ impl Camera {
     /// # Errors
     /// No points, a point that is not finite, a view without direction.
     pub fn new(view: Option<View>, points: &[Vec3]) -> Result<Self, PictureError> {
+        Self::around(view, points.iter().copied())
+    }
+
+    /// As [`Camera::new`], for points that are made as they are needed.
+    ///
+    /// # Errors
+    /// As [`Camera::new`].
+    pub fn around(view: Option<View>, points: impl Iterator<Item = [f64; 3]> + Clone) -> Result<Self, PictureError> {
         let usable = |p: &Vec3| p.iter().all(|x| x.abs() < 1e150);
-        if points.is_empty() || !points.iter().all(usable) {
-            return Err(PictureError::CameraPoints(points.iter().position(|p| !usable(p))));
+        let unusable = points.clone().position(|p| !usable(&p));
+        if unusable.is_some() || points.clone().next().is_none() {
+            return Err(PictureError::CameraPoints(unusable));
         }
-        let (low, high) = bounds(points);
+        let (low, high) = bounds(points.clone());
         let extent: Vec3 = std::array::from_fn(|a| high[a] - low[a]);
         let view = view.unwrap_or_else(|| View::three_quarter(extent));
         let radius = (0.5 * norm(extent)).max(1e-150);
         let centre = std::array::from_fn(|a| 0.5 * (low[a] + high[a]));
         let distance = radius / view.perspective.clamp(0.0, 0.6);
         let mut camera = Self { axes: view_axes(view)?, centre, distance, radius, bounds: [[0.0; 2]; 2] };
-        let projected: Vec<Vec3> = points.iter().map(|p| camera.project(*p)).collect();
-        let (low, high) = bounds(&projected);
+        let (low, high) = bounds(points.map(|p| camera.project(p)));
         camera.bounds = [[low[0], low[1]], [high[0], high[1]]];
         Ok(camera)
     }
@@ -120,8 +128,8 @@ fn view_axes(view: View) -> Result<[Vec3; 3], PictureError> {
     Ok([right, cross(back, right), back])
 }
 
-fn bounds(points: &[Vec3]) -> (Vec3, Vec3) {
-    points.iter().fold(([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]), |(low, high), p| {
+fn bounds(points: impl Iterator<Item = Vec3>) -> (Vec3, Vec3) {
+    points.fold(([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]), |(low, high), p| {
         (std::array::from_fn(|a| low[a].min(p[a])), std::array::from_fn(|a| high[a].max(p[a])))
     })
 }

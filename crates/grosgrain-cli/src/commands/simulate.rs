@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use clap::Args;
 
-use crate::deformed_volume;
+use crate::deformed_volume::{self, ScannedBody};
 use crate::failure::Failure;
 use crate::frames::Frames;
 use crate::interruption;
@@ -50,6 +50,8 @@ pub fn run(arguments: &Arguments, progress: &Progress) -> Result<(), Failure> {
     let method = problem.method(arguments.method);
     let initial = problem.fine_size();
     let schedule = problem.schedule.clone();
+    // Before the first edit: what the body is cut from is shown no more, what never belonged to it is its skin.
+    let scanned = problem.scene.output.volume.then(|| ScannedBody::new(&problem)).flatten();
     let mut frames = Frames::new(folder);
     let (mut written, mut output_seconds) = (Vec::new(), 0.0);
     let sequence = sequence::run(&mut problem, method, &schedule, progress, |problem, step| {
@@ -74,7 +76,12 @@ pub fn run(arguments: &Arguments, progress: &Progress) -> Result<(), Failure> {
     let shown = shown.or(runs.fine.as_ref().map(|run| &run.solution.displacement));
     if let Some(displacement) = shown.filter(|_| problem.scene.output.volume) {
         progress.say("resampling the deformed volume");
-        written.extend(keep_or_warn(deformed_volume::write(&problem, displacement, folder), progress));
+        written
+            .extend(keep_or_warn(deformed_volume::write(&problem, displacement, folder), progress).unwrap_or_default());
+        let deformed = scanned.as_ref().map(|scan| scan.deformed(&problem.model, displacement));
+        let deformed = deformed.and_then(|scan| keep_or_warn(scan, progress));
+        let files = deformed.map(|scan| deformed_volume::write_scan(&scan, folder));
+        written.extend(files.and_then(|files| keep_or_warn(files, progress)).unwrap_or_default());
     }
     output_seconds += writing.elapsed().as_secs_f64();
     problem.seconds.insert("output".into(), output_seconds);
@@ -89,8 +96,8 @@ pub fn run(arguments: &Arguments, progress: &Progress) -> Result<(), Failure> {
 }
 
 /// A picture or volume that cannot be made is a warning: the results that were computed stay.
-fn keep_or_warn(file: Result<PathBuf, Failure>, progress: &Progress) -> Option<PathBuf> {
-    file.inspect_err(|failure| progress.warn(&failure.to_string())).ok()
+fn keep_or_warn<T>(made: Result<T, Failure>, progress: &Progress) -> Option<T> {
+    made.inspect_err(|failure| progress.warn(&failure.to_string())).ok()
 }
 
 fn default_folder(scene: &Path) -> PathBuf {

@@ -93,7 +93,8 @@ fn check_files(name: &str, finished: &Finished, (volume, steps): (bool, usize)) 
     let frames = |series: &str| (0..=steps).map(|n| format!("{series}_{n:04}.vtu")).collect::<Vec<_>>();
     let mut expected = [frames("body"), frames("coarse")].concat();
     expected.extend(["body.pvd", "coarse.pvd", "picture.png", "report.json"].map(String::from));
-    expected.extend(volume.then(|| "deformed.nii.gz".into()));
+    let volumes = ["deformed.nii.gz", "deformed.nrrd", "deformed-scan.nii.gz", "deformed-scan.nrrd"];
+    expected.extend(volumes.iter().filter(|_| volume).map(|file| (*file).to_owned()));
     expected.extend((steps > 0).then(|| "picture_0000.png".into()));
     expected.sort();
     assert_eq!(names(&finished.folder), expected, "{name}: exactly these files, none half-written");

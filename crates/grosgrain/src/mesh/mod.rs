@@ -39,4 +39,4 @@ pub use surface::{BoundaryFace, boundary_faces};
 pub use uniform::random_subset;
 pub use volume::Volume;
 pub use voxel_grid::{Label, VoxelGrid, VoxelGridError};
-pub use warp::{WarpedBody, warp};
+pub use warp::{MaterialPoint, WarpTarget, Warped, WarpedBody, warp, warp_onto};
