@@ -3,14 +3,41 @@
 use std::path::{Path, PathBuf};
 
 use grosgrain::coarse::CoarseModel;
-use grosgrain::fine::{FineModel, centre_stresses, von_mises};
+use grosgrain::fine::{FineModel, cauchy_stresses, von_mises};
 use grosgrain::io::vtk::{DataArray, Frame, UnstructuredGrid, Values, VtkError, write_pvd, write_vtu};
 use grosgrain::io::write_atomically;
 use grosgrain::mesh::{Cell, Node};
 
 use crate::failure::Failure;
 use crate::problem::Problem;
-use crate::sequence::Step;
+
+/// What a frame shows.
+#[derive(Clone, Copy, Debug)]
+pub struct Shown<'a> {
+    /// Number of its step.
+    pub number: usize,
+    /// Its time \[s\].
+    pub time: f64,
+    /// Displacement \[m\] of the fine nodes, three per lattice node.
+    pub displacement: &'a [f64],
+    /// Their velocity \[m/s\]; `None` for zero.
+    pub velocity: Option<&'a [f64]>,
+    /// The fine model's displacement \[m\], where the one that is shown is compared with it.
+    pub reference: Option<&'a [f64]>,
+    /// The coarse mesh, where there is one.
+    pub coarse: Option<ShownCoarse<'a>>,
+}
+
+/// The coarse mesh of a frame.
+#[derive(Clone, Copy, Debug)]
+pub struct ShownCoarse<'a> {
+    /// The model.
+    pub model: &'a CoarseModel,
+    /// Displacement \[m\] of its vertices.
+    pub displacement: &'a [f64],
+    /// Their velocity \[m/s\]; `None` for zero.
+    pub velocity: Option<&'a [f64]>,
+}
 
 /// The frames of a run, which grow step by step.
 #[derive(Debug)]
@@ -33,20 +60,14 @@ impl Frames {
     ///
     /// # Errors
     /// Files that cannot be written.
-    pub fn add(&mut self, problem: &Problem, step: Step<'_>) -> Result<(), Failure> {
-        let (coarse, fine) = (step.runs.coarse.as_ref(), step.runs.fine.as_ref());
-        let reference = fine.map(|run| run.solution.displacement.as_slice());
-        let shown = coarse.map(|run| run.solution.displacement.as_slice()).or(reference);
-        if let Some(displacement) = shown {
-            let error = coarse.and(reference);
-            let body = FineBody::new(&problem.model, coarse.map(|run| &run.built.model), step.time);
-            let write = |path: &Path| body.write(path, &problem.model, displacement, error);
-            series(&self.folder, "body", &step, &mut self.body, write)?;
-        }
-        if let Some(run) = coarse {
-            let displacement = &run.solution.coarse_displacement;
-            let write = |path: &Path| write_coarse(path, problem, (&run.built.model, displacement), step.time);
-            series(&self.folder, "coarse", &step, &mut self.coarse, write)?;
+    pub fn add(&mut self, problem: &Problem, shown: &Shown<'_>) -> Result<(), Failure> {
+        let coarse = shown.coarse.as_ref();
+        let body = FineBody::new(&problem.model, coarse.map(|coarse| coarse.model), shown.time);
+        let write = |path: &Path| body.write(path, &problem.model, shown);
+        series(&self.folder, "body", shown, &mut self.body, write)?;
+        if let Some(coarse) = coarse {
+            let write = |path: &Path| write_coarse(path, problem, coarse, shown.time);
+            series(&self.folder, "coarse", shown, &mut self.coarse, write)?;
         }
         Ok(())
     }
@@ -62,15 +83,15 @@ impl Frames {
 fn series(
     folder: &Path,
     name: &str,
-    step: &Step<'_>,
+    shown: &Shown<'_>,
     before: &mut Vec<(f64, String)>,
     write_frame: impl FnOnce(&Path) -> Result<(), VtkError>,
 ) -> Result<(), Failure> {
     let failed = |path: &Path, error: VtkError| Failure::Failed(format!("{}: {error}", path.display()));
-    let file = format!("{name}_{:04}.vtu", step.number);
+    let file = format!("{name}_{:04}.vtu", shown.number);
     let path = folder.join(&file);
     write_frame(&path).map_err(|error| failed(&path, error))?;
-    before.push((step.time, file));
+    before.push((shown.time, file));
     let list = folder.join(format!("{name}.pvd"));
     let frames: Vec<Frame> = before.iter().map(|(time, file)| Frame { time: *time, file }).collect();
     write_atomically(&list, |writer| write_pvd(writer, &frames)).map_err(|error| failed(&list, error))
@@ -103,12 +124,12 @@ impl FineBody {
         &self,
         path: &Path,
         model: &FineModel,
-        displacement: &[f64],
-        reference: Option<&[f64]>,
+        &Shown { displacement, velocity, reference, .. }: &Shown<'_>,
     ) -> Result<(), VtkError> {
         let vectors: Vec<[f64; 3]> = self.nodes.iter().map(|&n| vector(displacement, n)).collect();
-        let still = vec![[0.0; 3]; self.nodes.len()];
-        let stresses = centre_stresses(model, displacement);
+        let moving = |n: usize| velocity.map_or([0.0; 3], |velocity| vector(velocity, n));
+        let velocities: Vec<[f64; 3]> = self.nodes.iter().map(|&n| moving(n)).collect();
+        let stresses = cauchy_stresses(model, displacement);
         let labels: Vec<i32> = self.cells.iter().map(|&c| model.grid().labels[c].0).collect();
         let young: Vec<f64> = self.cells.iter().map(|&c| model.young(Cell(c))).collect();
         let mises: Vec<f64> = self.cells.iter().map(|&c| von_mises(&stresses[c])).collect();
@@ -120,7 +141,7 @@ impl FineBody {
             self.nodes.iter().map(|&n| difference(n)).collect()
         });
         let mut point_data =
-            vec![array("displacement", Values::Vector(&vectors)), array("velocity", Values::Vector(&still))];
+            vec![array("displacement", Values::Vector(&vectors)), array("velocity", Values::Vector(&velocities))];
         point_data.extend(error.as_ref().map(|error| array("error", Values::Vector(error))));
         let cell_data = vec![
             array("label", Values::Integer(&labels)),
@@ -142,7 +163,7 @@ impl FineBody {
 fn write_coarse(
     path: &Path,
     problem: &Problem,
-    (coarse, displacement): (&CoarseModel, &[f64]),
+    &ShownCoarse { model: coarse, displacement, velocity }: &ShownCoarse<'_>,
     time: f64,
 ) -> Result<(), VtkError> {
     let mesh = coarse.mesh();
@@ -150,14 +171,15 @@ fn write_coarse(
     let points: Vec<[f64; 3]> = mesh.vertices().iter().map(|vertex| position(vertex.node)).collect();
     let hexahedra: Vec<[usize; 8]> = mesh.corners().iter().map(|corners| corners.map(|v| v as usize)).collect();
     let vectors: Vec<[f64; 3]> = (0..points.len()).map(|vertex| vector(displacement, vertex)).collect();
-    let still = vec![[0.0; 3]; points.len()];
+    let moving = |vertex: usize| velocity.map_or([0.0; 3], |velocity| vector(velocity, vertex));
+    let velocities: Vec<[f64; 3]> = (0..points.len()).map(moving).collect();
     let number: Vec<i32> = (0..hexahedra.len() as i32).collect();
     let grid = UnstructuredGrid {
         points: &points,
         hexahedra: &hexahedra,
         point_data: vec![
             array("displacement", Values::Vector(&vectors)),
-            array("velocity", Values::Vector(&still)),
+            array("velocity", Values::Vector(&velocities)),
             array("mass", Values::Scalar(coarse.mass())),
         ],
         cell_data: vec![array("coarse_cell", Values::Integer(&number))],

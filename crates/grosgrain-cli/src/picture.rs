@@ -2,7 +2,6 @@
 
 use std::path::{Path, PathBuf};
 
-use grosgrain::coarse::CoarseModel;
 use grosgrain::io::write_atomically;
 use grosgrain::mesh::Node;
 use grosgrain_picture::{Category, ColourMap, ColourScale, Colouring, Figure, Image, Lines, Panel, PictureError};
@@ -10,7 +9,6 @@ use grosgrain_picture::{Category, ColourMap, ColourScale, Colouring, Figure, Ima
 use crate::body_surface::BodySurface;
 use crate::failure::Failure;
 use crate::method::Method;
-use crate::outcome::{CoarseRun, FineRun};
 use crate::problem::Problem;
 use crate::quantities::{count, number};
 
@@ -18,17 +16,25 @@ use crate::quantities::{count, number};
 const TRUE_SHARES: [f64; 2] = [0.05, 0.3];
 const DRAWN_SHARE: f64 = 0.12;
 
+/// What a picture shows: displacements \[m\] of the fine nodes.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Drawn<'a> {
+    /// The coarse model's, with its number of unknowns.
+    pub coarse: Option<(usize, &'a [f64])>,
+    /// The fine model's.
+    pub fine: Option<&'a [f64]>,
+    /// RMS error of the one against the other, in percent.
+    pub error: Option<f64>,
+    /// What is added to the title.
+    pub remark: &'a str,
+}
+
 /// Draws the picture into the file at `path`.
 ///
 /// # Errors
 /// A picture that cannot be drawn or written.
-pub fn write(
-    problem: &Problem,
-    method: Method,
-    (coarse, fine): (Option<&CoarseRun>, Option<&FineRun>),
-    path: PathBuf,
-) -> Result<PathBuf, Failure> {
-    save(figure(problem, method, coarse, fine).render(), &path)
+pub fn write(problem: &Problem, method: Method, drawn: &Drawn<'_>, path: PathBuf) -> Result<PathBuf, Failure> {
+    save(figure(problem, method, drawn).render(), &path)
 }
 
 /// Writes a picture that was drawn as PNG, whole or not at all; returns its path.
@@ -42,9 +48,9 @@ pub fn save(image: Result<Image, PictureError>, path: &Path) -> Result<PathBuf, 
     Ok(path.into())
 }
 
-fn figure(problem: &Problem, method: Method, coarse: Option<&CoarseRun>, fine: Option<&FineRun>) -> Figure {
-    let exact = fine.map(|run| run.solution.displacement.as_slice());
-    let embedded = coarse.map(|run| run.solution.displacement.as_slice());
+fn figure(problem: &Problem, method: Method, drawn: &Drawn<'_>) -> Figure {
+    let exact = drawn.fine;
+    let embedded = drawn.coarse.map(|(_, u)| u);
     let drawing = Drawing::new(problem, exact.or(embedded).unwrap_or(&[]));
     let mut panels = Vec::new();
     if let Some(u) = exact {
@@ -55,12 +61,12 @@ fn figure(problem: &Problem, method: Method, coarse: Option<&CoarseRun>, fine: O
             ..drawing.panel(u)
         });
     }
-    if let Some((run, u)) = coarse.zip(embedded) {
+    if let Some((unknowns, u)) = drawn.coarse {
         panels.push(Panel {
             caption: format!("Coarse model: {method}, degree {}", problem.scene.coarsening.degree),
-            detail: coarse_detail(run, fine),
+            detail: coarse_detail(unknowns, drawn.error),
             colouring: exact.map_or_else(|| drawing.materials(), |exact| drawing.error(u, exact)),
-            grid: drawing.coarse_grid(&run.built.model, u),
+            grid: drawing.coarse_grid(u),
             ..drawing.panel(u)
         });
     }
@@ -68,13 +74,13 @@ fn figure(problem: &Problem, method: Method, coarse: Option<&CoarseRun>, fine: O
         true => "Displacements to scale.".to_owned(),
         false => format!("Displacements drawn × {}.", number(drawing.scale)),
     }];
-    Figure { title: problem.scene.title.clone(), panels, footer, ..Figure::default() }
+    Figure { title: format!("{}{}", problem.scene.title, drawn.remark), panels, footer, ..Figure::default() }
 }
 
-fn coarse_detail(run: &CoarseRun, fine: Option<&FineRun>) -> String {
-    let unknowns = count(run.size().unknowns);
-    match fine.map(|fine| run.error(fine)) {
-        Some(error) => format!("{unknowns} unknowns, RMS error {:.1} %", error.rms_percent),
+fn coarse_detail(unknowns: usize, error: Option<f64>) -> String {
+    let unknowns = count(unknowns);
+    match error {
+        Some(error) => format!("{unknowns} unknowns, RMS error {error:.1} %"),
         None => format!("{unknowns} unknowns"),
     }
 }
@@ -158,8 +164,8 @@ impl<'a> Drawing<'a> {
     }
 
     /// Edges of surface faces that lie on faces of coarse cells.
-    fn coarse_grid(&self, coarse: &CoarseModel, u: &[f64]) -> Lines {
-        self.surface.coarse_grid(coarse.partition().degree(), |node| self.position(u, node))
+    fn coarse_grid(&self, u: &[f64]) -> Lines {
+        self.surface.coarse_grid(self.problem.scene.coarsening.degree, |node| self.position(u, node))
     }
 
     /// The twelve edges of the body's undeformed box.

@@ -1,5 +1,6 @@
 //! The loads of a scene where the unedited body has them.
 
+use grosgrain::dynamics::{Schedule, TimedLoad};
 use grosgrain::fine::{FineModel, gravity, node_forces, traction};
 
 use crate::failure::Failure;
@@ -69,17 +70,32 @@ impl PlacedLoads {
         self.sum(model, |_| 1.0)
     }
 
+    /// Every load on a model with the times at which it acts.
+    pub fn timed(&self, model: &FineModel) -> Vec<TimedLoad> {
+        let timed = |(load, span): &(PlacedLoad, Span)| TimedLoad {
+            forces: load.forces(model),
+            schedule: Schedule { ramp: span.ramp(), until: span.until },
+        };
+        self.loads.iter().map(timed).collect()
+    }
+
     fn sum(&self, model: &FineModel, share: impl Fn(&Span) -> f64) -> Vec<f64> {
         let mut sum = vec![0.0; 3 * model.grid().lattice.node_count()];
         for (load, span) in &self.loads {
             let share = share(span);
-            let forces = match load {
-                PlacedLoad::Gravity(acceleration) => gravity(model, *acceleration),
-                PlacedLoad::Traction(mask, stress) => traction(model, mask, *stress).0,
-                PlacedLoad::Force(mask, force) => node_forces(model, mask, *force),
-            };
-            sum.iter_mut().zip(forces).for_each(|(total, force)| *total += share * force);
+            sum.iter_mut().zip(load.forces(model)).for_each(|(total, force)| *total += share * force);
         }
         sum
+    }
+}
+
+impl PlacedLoad {
+    /// Forces \[N\] in full, three per lattice node.
+    fn forces(&self, model: &FineModel) -> Vec<f64> {
+        match self {
+            Self::Gravity(acceleration) => gravity(model, *acceleration),
+            Self::Traction(mask, stress) => traction(model, mask, *stress).0,
+            Self::Force(mask, force) => node_forces(model, mask, *force),
+        }
     }
 }

@@ -125,6 +125,17 @@ impl Problem {
         }
     }
 
+    /// Whether the run is one of static equilibria of linear materials between parts that stand still: one linear system each.
+    pub fn is_linear_static(&self) -> bool {
+        let scene = &self.scene;
+        let edited = !scene.edits.is_empty();
+        let linear = !scene.is_nonlinear();
+        let still = scene.fixes.iter().all(|fix| fix.motion.is_none());
+        let constant = !scene.loads.iter().any(|load| load.is_spring() || edited && load.span.varies());
+        let plain = scene.coarsening.update || !edited;
+        !scene.is_dynamic() && linear && still && constant && plain
+    }
+
     /// The method asked for on the command line, or the scene's.
     pub fn method(&self, asked: Option<Method>) -> Method {
         asked.unwrap_or(Method::of_training(self.scene.coarsening.training))

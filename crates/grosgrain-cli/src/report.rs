@@ -33,8 +33,15 @@ pub struct Report {
     pub coarse: Option<ModelSize>,
     /// Seconds spent in each stage.
     pub seconds: BTreeMap<String, f64>,
-    /// How the equations were solved.
-    pub solver: Solver,
+    /// How the equations of a linear equilibrium were solved; absent from other runs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub solver: Option<Solver>,
+    /// The steps of every model of a dynamic or nonlinear run.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub steps: Vec<Steps>,
+    /// Why the run ended before its last step; the frames before are whole.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stopped: Option<String>,
     /// How the fine model's equations were solved; absent where it did not run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fine_solver: Option<Solver>,
@@ -108,6 +115,46 @@ pub struct Frame {
     /// RMS error against the fine model in percent; absent where that did not run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error: Option<f64>,
+    /// The books of a dynamic run.
+    #[serde(flatten)]
+    pub motion: Option<Motion>,
+}
+
+/// Books of energy and momentum at a step of a dynamic run.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Motion {
+    /// The kinetic energy \[J\].
+    pub kinetic: f64,
+    /// Work of loads and of moved holds since the start \[J\].
+    pub work: f64,
+    /// Energy that is gone since the start, to damping, friction and the integrator \[J\]; edits change it as well.
+    pub dissipated: f64,
+    /// Momentum \[N s\].
+    pub momentum: [f64; 3],
+    /// Angular momentum about the origin \[N m s\].
+    pub angular_momentum: [f64; 3],
+}
+
+/// What the steps of a model cost.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Steps {
+    /// Whose steps.
+    pub method: String,
+    /// Steps or equilibria made.
+    pub steps: usize,
+    /// Seconds per step.
+    pub seconds_per_step: f64,
+    /// Newton steps over all.
+    pub newton_steps: usize,
+    /// Iterations of linear solvers over all.
+    pub linear_iterations: usize,
+    /// Steps that failed at first and were made in several parts.
+    pub divided_steps: usize,
+    /// Worst relative residual.
+    pub relative_residual: f64,
+    /// Seconds per step of the fine model over this one's; absent where that did not run.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub speed_up: Option<f64>,
 }
 
 /// The difference from the fine model.

@@ -1,19 +1,19 @@
 //! The steps of a run: at each the due edits, then a new equilibrium.
 
-use std::collections::{BTreeMap, BTreeSet};
-use std::time::Instant;
+use std::collections::BTreeMap;
 
-use grosgrain::mesh::Cell;
-use grosgrain::update::{Applied, Batch, Editor, LooseReport};
+use grosgrain::update::Editor;
 
+use crate::edits::{self, Made};
 use crate::failure::Failure;
+use crate::frames::{Shown, ShownCoarse};
 use crate::interruption;
 use crate::method::Method;
 use crate::models::Models;
 use crate::outcome::{CoarseRun, FineRun};
+use crate::picture::Drawn;
 use crate::problem::Problem;
 use crate::progress::Progress;
-use crate::quantities::counted;
 use crate::report::{Edit, Frame};
 use crate::schedule::EditSchedule;
 
@@ -24,6 +24,19 @@ pub struct Runs {
     pub coarse: Option<CoarseRun>,
     /// That of the fine model.
     pub fine: Option<FineRun>,
+}
+
+impl Runs {
+    /// What a picture shows of them.
+    pub fn drawn(&self) -> Drawn<'_> {
+        let Self { coarse, fine } = self;
+        Drawn {
+            coarse: coarse.as_ref().map(|run| (run.size().unknowns, run.solution.displacement.as_slice())),
+            fine: fine.as_ref().map(|run| run.solution.displacement.as_slice()),
+            error: coarse.as_ref().zip(fine.as_ref()).map(|(coarse, fine)| coarse.error(fine).rms_percent),
+            remark: "",
+        }
+    }
 }
 
 /// What is known of one step.
@@ -69,7 +82,7 @@ pub fn run(
     for number in 0..=schedule.steps() {
         interruption::check()?;
         if number > 0 {
-            sequence.edit((problem, &mut models), (schedule, number), &mut editor, progress)?;
+            sequence.edit((problem, &mut models), number, &mut editor, progress)?;
         }
         let step = Step { number, time: schedule.time(number), runs: &sequence.last };
         on_step(problem, step)?;
@@ -78,12 +91,31 @@ pub fn run(
     Ok(sequence)
 }
 
-impl Step<'_> {
+impl<'a> Step<'a> {
+    /// What a frame shows of it; `None` where nothing was solved.
+    pub fn shown(&self) -> Option<Shown<'a>> {
+        let Runs { coarse, fine } = self.runs;
+        let reference = fine.as_ref().map(|run| run.solution.displacement.as_slice());
+        let embedded = coarse.as_ref().map(|run| run.solution.displacement.as_slice());
+        Some(Shown {
+            number: self.number,
+            time: self.time,
+            displacement: embedded.or(reference)?,
+            velocity: None,
+            reference: embedded.and(reference),
+            coarse: coarse.as_ref().map(|run| ShownCoarse {
+                model: &run.built.model,
+                displacement: &run.solution.coarse_displacement,
+                velocity: None,
+            }),
+        })
+    }
+
     fn frame(&self) -> Frame {
         let Runs { coarse, fine } = self.runs;
         let energy = coarse.as_ref().map(|run| run.solution.energy).or(fine.as_ref().map(|run| run.solution.energy));
         let error = coarse.as_ref().zip(fine.as_ref()).map(|(coarse, fine)| coarse.error(fine).rms_percent);
-        Frame { step: self.number, time: self.time, energy: energy.unwrap_or_default(), error }
+        Frame { step: self.number, time: self.time, energy: energy.unwrap_or_default(), error, motion: None }
     }
 }
 
@@ -92,47 +124,14 @@ impl Sequence {
     fn edit(
         &mut self,
         (problem, models): (&mut Problem, &mut Models),
-        (schedule, number): (&EditSchedule, usize),
+        number: usize,
         editor: &mut Editor,
         progress: &Progress,
     ) -> Result<(), Failure> {
-        let due = schedule.due(number);
-        if due.is_empty() {
+        let Some(Made { changed, mut row, seconds, .. }) = edits::make(problem, number, editor, progress)? else {
             return Ok(());
-        }
-        let start = Instant::now();
-        let refuse = |problem: &Problem, key: &str, error: &dyn std::fmt::Display| {
-            Failure::Failed(format!("{}: step {number}: {key}: {error}", problem.scene.file.display()))
         };
-        let mut warnings = Vec::new();
-        let mut batch = Batch::new(&problem.model);
-        for edit in &due {
-            match batch.add(&edit.edit) {
-                Ok(()) => {}
-                Err(error) if error.finds_nothing() => warnings.push(format!("step {number}: {}: {error}", edit.key)),
-                Err(error) => return Err(refuse(problem, &edit.key, &error)),
-            }
-        }
-        let resolved = batch.finish().map_err(|error| refuse(problem, "edit", &error))?;
-        let Problem { model, fixed, .. } = problem;
-        let applied = editor.apply(model, &resolved, fixed);
-        let (changed, loose) = match applied {
-            Ok(Applied { changed, loose }) => (changed.to_vec(), loose),
-            Err(error) => return Err(refuse(problem, "edit", &error)),
-        };
-        warnings.extend(told(number, &loose));
-        warnings.iter().for_each(|warning| progress.warn(warning));
-        let mut row = Edit {
-            step: number,
-            changed_cells: coarse_cells(problem, &changed),
-            changed_fine_cells: changed.len(),
-            dirty_cells: 0,
-            loose_parts: loose.parts,
-            loose_cells: loose.cells,
-            warnings,
-            seconds: BTreeMap::new(),
-        };
-        let mut total = start.elapsed().as_secs_f64();
+        let mut total = seconds;
         if !changed.is_empty() {
             self.last = models.update(problem, &changed, editor, progress)?;
             self.add_seconds();
@@ -155,22 +154,4 @@ impl Sequence {
             *self.seconds.entry(stage).or_default() += seconds;
         }
     }
-}
-
-/// Number of coarse cells that hold any of these fine cells.
-fn coarse_cells(problem: &Problem, changed: &[Cell]) -> usize {
-    let (lattice, degree) = (problem.model.grid().lattice, problem.scene.coarsening.degree);
-    let holder = |cell: &Cell| lattice.cell_position(*cell).map(|x| x / degree);
-    changed.iter().map(holder).collect::<BTreeSet<_>>().len()
-}
-
-/// What the user should know of parts that were cut loose.
-fn told(step: usize, loose: &LooseReport) -> Option<String> {
-    let (parts, cells) = (counted(loose.parts, "part"), counted(loose.cells, "cell"));
-    let verb = if loose.parts == 1 { "hangs" } else { "hang" };
-    let then = match loose.dropped {
-        true => "left out from now on (body.loose = \"keep\" keeps them)",
-        false => "kept where they are, without displacement, since nothing static holds them",
-    };
-    (loose.parts > 0).then(|| format!("step {step}: {parts} with {cells} {verb} on nothing; {then}"))
 }

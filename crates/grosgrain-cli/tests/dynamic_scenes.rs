@@ -3,6 +3,8 @@
 use std::f64::consts::FRAC_PI_2;
 use std::path::Path;
 
+use grosgrain::coarse::Integration;
+use grosgrain::dynamics::{Damping, Integrator};
 use grosgrain::dynamics::{Holds, Motion, Ramp, Twist};
 use grosgrain::fine::FineModel;
 use grosgrain::mesh::Node;
@@ -11,9 +13,7 @@ use grosgrain_cli::body::{Body, build_body};
 use grosgrain_cli::held_parts::{check_held_parts, held_parts};
 use grosgrain_cli::placed_loads::PlacedLoads;
 use grosgrain_cli::placed_springs::PlacedSprings;
-use grosgrain_cli::scene::{
-    Damping, Ground, Integration, Integrator, Mode, Scene, SceneError, Start, Time, read_scene,
-};
+use grosgrain_cli::scene::{Ground, Mode, Scene, SceneError, Start, Time, read_scene};
 use grosgrain_cli::schedule::EditSchedule;
 
 const BODY: &str = "[body]\ngrid = { cells = [4, 2, 2], size = [0.4, 0.2, 0.2] }\n\

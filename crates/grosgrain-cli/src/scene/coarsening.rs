@@ -1,5 +1,6 @@
 //! How the body is coarsened: `[coarsening]`.
 
+use grosgrain::coarse::Integration;
 use grosgrain::coarsening::{BaseKind, Objective};
 use grosgrain::training::TrainingKind;
 
@@ -12,18 +13,6 @@ pub enum Training {
     Kind(TrainingKind),
     /// The exact kind that is cheaper to renew after an edit.
     Auto,
-}
-
-/// How the energy of a coarse element of nonlinear material is integrated.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Integration {
-    /// Eight points in every fine cell.
-    #[default]
-    Gauss,
-    /// The centre of every fine cell, with a stabilisation of the linear material.
-    Centre,
-    /// None: the stiffness of the linear material in a frame that turns with the element.
-    Stiffness,
 }
 
 /// The `[coarsening]` table.

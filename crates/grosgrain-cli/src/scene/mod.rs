@@ -28,7 +28,7 @@ use std::path::{Path, PathBuf};
 use toml::de::DeTable;
 
 pub use body::{Body, Keep, Source, VoxelModulus};
-pub use coarsening::{Coarsening, Integration, Training};
+pub use coarsening::{Coarsening, Training};
 pub use conditions::{Fix, Load, LoadKind, Spring};
 pub use edits::{Repeat, SceneChange, SceneEdit, When};
 pub use labels::Labelling;
@@ -40,7 +40,7 @@ pub use problem::{Problem, SceneError};
 pub use section::{alternatives, enumeration, nearest};
 pub use span::Span;
 pub use surroundings::{Ground, Start};
-pub use time::{Damping, Integrator, Mode, Time};
+pub use time::{Mode, Time};
 
 use document::{Document, Item, Reading};
 use section::Section;

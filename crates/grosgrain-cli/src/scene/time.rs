@@ -1,5 +1,7 @@
 //! What kind of run is made: `[time]`.
 
+use grosgrain::dynamics::{Damping, Integrator};
+
 use super::document::{Item, Reading};
 use super::section::Section;
 
@@ -16,25 +18,6 @@ pub enum Mode {
     Static,
     /// Motion with inertia.
     Dynamic,
-}
-
-/// How a dynamic run goes from one step to the next.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Integrator {
-    /// Implicit Euler.
-    #[default]
-    ImplicitEuler,
-    /// Implicit midpoint rule.
-    Midpoint,
-}
-
-/// Rayleigh damping: the damping matrix is `mass` M + `stiffness` K.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Damping {
-    /// Share of the mass \[1/s\].
-    pub mass: f64,
-    /// Share of the stiffness \[s\].
-    pub stiffness: f64,
 }
 
 /// The `[time]` table.

@@ -8,8 +8,10 @@ use super::{Body, Energies, Moment, QuadraticWeights};
 pub struct LoadPath {
     /// Share of the loads at the start and at the end.
     pub share: [f64; 2],
-    /// Time of prescribed motions at the start and at the end \[s\]; loads are those of the end.
+    /// Time of prescribed motions at the start and at the end \[s\].
     pub time: [f64; 2],
+    /// The time \[s\] whose loads act.
+    pub loads: f64,
 }
 
 /// Options of [`find_equilibrium`].
@@ -128,7 +130,7 @@ fn increment(
 impl LoadPath {
     fn moment(&self, share: f64) -> Moment {
         let at = |ends: [f64; 2]| if share == 1.0 { ends[1] } else { ends[0] + share * (ends[1] - ends[0]) };
-        Moment { loads: self.time[1], share: at(self.share), holds: at(self.time) }
+        Moment { loads: self.loads, share: at(self.share), holds: at(self.time) }
     }
 }
 

@@ -1,5 +1,7 @@
 //! `compare`: the fine model and coarse models of the same scene, side by side.
 
+mod moving;
+
 use std::path::PathBuf;
 
 use clap::Args;
@@ -48,13 +50,15 @@ struct Row {
 pub fn run(arguments: &Arguments, progress: &Progress) -> Result<(), Failure> {
     let problem = Problem::read(&arguments.scene, progress)?;
     problem.require_support()?;
-    problem.require_linear_statics()?;
-    problem.tell_idle_edits(progress);
     let methods = match arguments.methods.is_empty() {
         // The method auto is one of the others.
         true => Method::ALL.iter().map(|(_, method)| *method).filter(|method| *method != Method::Auto).collect(),
         false => arguments.methods.clone(),
     };
+    if !problem.is_linear_static() {
+        return moving::run(problem, &methods, arguments.json.as_deref(), progress);
+    }
+    problem.tell_idle_edits(progress);
     let _folder = arguments.json.as_deref().map(OutputFolder::around).transpose()?;
     progress.say("solving the fine model");
     let fine = run_fine(&problem, progress)?;

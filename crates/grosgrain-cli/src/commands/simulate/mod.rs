@@ -1,5 +1,9 @@
 //! `simulate`: the main job. Coarsen, solve, write frames, pictures and the report.
 
+mod moving;
+
+pub use moving::steps_of;
+
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -12,13 +16,13 @@ use crate::interruption;
 use crate::method::Method;
 use crate::outcome::{CoarseRun, solver_of, warn_of_softness};
 use crate::output::OutputFolder;
-use crate::picture;
+use crate::picture::{self, Drawn};
 use crate::problem::Problem;
 use crate::progress::Progress;
 use crate::quantities::{count, number, seconds};
 use crate::report::{self, ModelSize, Report, SCHEMA_VERSION};
 use crate::results;
-use crate::sequence::{self, Runs, Sequence};
+use crate::sequence::{self, Sequence};
 
 const EXAMPLES: &str = "Examples:
   grosgrain simulate scenes/torso.toml -o out/torso
@@ -43,11 +47,13 @@ pub fn run(arguments: &Arguments, progress: &Progress) -> Result<(), Failure> {
     let start = Instant::now();
     let mut problem = Problem::read(&arguments.scene, progress)?;
     problem.require_support()?;
-    problem.require_linear_statics()?;
     let output = arguments.output.clone().unwrap_or_else(|| default_folder(&arguments.scene));
     let output = OutputFolder::make(&output)?;
     let folder = output.path();
     let method = problem.method(arguments.method);
+    if !problem.is_linear_static() {
+        return moving::run(&mut problem, method, folder, progress);
+    }
     let initial = problem.fine_size();
     let schedule = problem.schedule.clone();
     // Before the first edit: what the body is cut from is shown no more, what never belonged to it is its skin.
@@ -57,10 +63,10 @@ pub fn run(arguments: &Arguments, progress: &Progress) -> Result<(), Failure> {
     let sequence = sequence::run(&mut problem, method, &schedule, progress, |problem, step| {
         let writing = Instant::now();
         if step.number % problem.scene.output.frames == 0 || step.number == schedule.steps() {
-            frames.add(problem, step)?;
+            step.shown().map_or(Ok(()), |shown| frames.add(problem, &shown))?;
         }
         if step.number == 0 && schedule.steps() > 0 && problem.scene.output.picture {
-            written.extend(draw(problem, method, step.runs, folder.join("picture_0000.png"), progress));
+            written.extend(draw(problem, method, &step.runs.drawn(), folder.join("picture_0000.png"), progress));
         }
         output_seconds += writing.elapsed().as_secs_f64();
         Ok(())
@@ -70,18 +76,13 @@ pub fn run(arguments: &Arguments, progress: &Progress) -> Result<(), Failure> {
     written.splice(0..0, frames.written());
     let runs = &sequence.last;
     if problem.scene.output.picture {
-        written.extend(draw(&problem, method, runs, folder.join("picture.png"), progress));
+        written.extend(draw(&problem, method, &runs.drawn(), folder.join("picture.png"), progress));
     }
     let shown = runs.coarse.as_ref().map(|run| &run.solution.displacement);
     let shown = shown.or(runs.fine.as_ref().map(|run| &run.solution.displacement));
     if let Some(displacement) = shown.filter(|_| problem.scene.output.volume) {
         progress.say("resampling the deformed volume");
-        written
-            .extend(keep_or_warn(deformed_volume::write(&problem, displacement, folder), progress).unwrap_or_default());
-        let deformed = scanned.as_ref().map(|scan| scan.deformed(&problem.model, displacement));
-        let deformed = deformed.and_then(|scan| keep_or_warn(scan, progress));
-        let files = deformed.map(|scan| deformed_volume::write_scan(&scan, folder));
-        written.extend(files.and_then(|files| keep_or_warn(files, progress)).unwrap_or_default());
+        written.extend(write_volumes(&problem, scanned.as_ref(), displacement, folder, progress));
     }
     output_seconds += writing.elapsed().as_secs_f64();
     problem.seconds.insert("output".into(), output_seconds);
@@ -95,6 +96,23 @@ pub fn run(arguments: &Arguments, progress: &Progress) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Writes the deformed body, and the scan that it comes from, as volumes.
+fn write_volumes(
+    problem: &Problem,
+    scanned: Option<&ScannedBody>,
+    displacement: &[f64],
+    folder: &Path,
+    progress: &Progress,
+) -> Vec<PathBuf> {
+    let labels = deformed_volume::write(problem, displacement, folder);
+    let mut written = keep_or_warn(labels, progress).unwrap_or_default();
+    let deformed = scanned.map(|scan| scan.deformed(&problem.model, displacement));
+    let deformed = deformed.and_then(|scan| keep_or_warn(scan, progress));
+    let files = deformed.map(|scan| deformed_volume::write_scan(&scan, folder));
+    written.extend(files.and_then(|files| keep_or_warn(files, progress)).unwrap_or_default());
+    written
+}
+
 /// A picture or volume that cannot be made is a warning: the results that were computed stay.
 fn keep_or_warn<T>(made: Result<T, Failure>, progress: &Progress) -> Option<T> {
     made.inspect_err(|failure| progress.warn(&failure.to_string())).ok()
@@ -104,9 +122,9 @@ fn default_folder(scene: &Path) -> PathBuf {
     Path::new("out").join(scene.file_stem().unwrap_or_default())
 }
 
-fn draw(problem: &Problem, method: Method, runs: &Runs, path: PathBuf, progress: &Progress) -> Option<PathBuf> {
+fn draw(problem: &Problem, method: Method, drawn: &Drawn<'_>, path: PathBuf, progress: &Progress) -> Option<PathBuf> {
     progress.say("drawing the picture");
-    keep_or_warn(picture::write(problem, method, (runs.coarse.as_ref(), runs.fine.as_ref()), path), progress)
+    keep_or_warn(picture::write(problem, method, drawn, path), progress)
 }
 
 fn make_report(
@@ -132,7 +150,9 @@ fn make_report(
         fine: initial,
         coarse: runs.coarse.as_ref().map(CoarseRun::size),
         seconds,
-        solver: solver_of(solved),
+        solver: Some(solver_of(solved)),
+        steps: Vec::new(),
+        stopped: None,
         fine_solver: runs.fine.as_ref().map(|run| solver_of(&run.solution.report)),
         training_solver: runs.coarse.as_ref().and_then(|run| run.built.report.training_solver.as_ref()).map(solver_of),
         edits,

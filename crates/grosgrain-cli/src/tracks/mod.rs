@@ -1,0 +1,8 @@
+//! Runs under large deformation: fine and coarse models go through the same steps and edits side by side.
+
+mod acting;
+mod run;
+mod track;
+
+pub use run::{Outcome, TrackStep, run};
+pub use track::{Books, Kind, Track, Update};
