@@ -20,10 +20,17 @@ fn examples() -> Vec<EightMatrices> {
     sizes.into_iter().flat_map(|(size, amplitude)| [(); 6].map(|()| random(&mut source, size, amplitude))).collect()
 }
 
-fn laws() -> [PointLaw; 3] {
+/// The last one is auxetic: its λ is negative.
+fn laws() -> [PointLaw; 5] {
     let (lambda, mu) = (3.0, 1.0);
     let tensor = IsotropicMaterial::new(2.0, 0.3).unwrap().tensor();
-    [PointLaw::Linear(tensor), PointLaw::Corotational { lambda, mu }, PointLaw::NeoHookean { lambda, mu }]
+    [
+        PointLaw::Linear(tensor),
+        PointLaw::Corotational { lambda, mu },
+        PointLaw::NeoHookean { lambda, mu },
+        PointLaw::Corotational { lambda: -0.4, mu },
+        PointLaw::NeoHookean { lambda: -0.4, mu },
+    ]
 }
 
 #[test]
