@@ -45,11 +45,12 @@ impl ForcesCase {
     }
 }
 
-/// Turned about x by up to a radian, stretched by up to a fifth, with waves of the length of a few cells.
+/// Turned about x by up to a radian, stretched by a fifth at nearly constant volume, with waves of the length of a few cells.
 fn bent(model: &FineModel, node: Node) -> [f64; 3] {
     let [x, y, z] = model.node_position(node);
     let length = SPACING[0] * model.grid().lattice.cells[0] as f64;
     let (sine, cosine) = (x / length).sin_cos();
-    let wave = 0.1 * SPACING[0] * (1.7 * (x + 2.0 * y + 3.0 * z) / SPACING[0]).sin();
-    [0.2 * x + wave, cosine * y - sine * z - y - wave, sine * y + cosine * z - z]
+    let wave = 0.03 * SPACING[0] * (1.7 * (x + 2.0 * y + 3.0 * z) / SPACING[0]).sin();
+    let lateral = 1.2f64.sqrt().recip();
+    [0.2 * x + wave, lateral * (cosine * y - sine * z) - y - wave, lateral * (sine * y + cosine * z) - z]
 }

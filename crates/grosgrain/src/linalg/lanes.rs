@@ -3,6 +3,9 @@
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// One register of numbers, each of another problem. All functions must be inlined into a [`pulp::WithSimd`] of `S`.
+///
+/// Closures, also those of `map` and `from_fn`, are compiled without the registers' instructions: formulas in lanes are written with
+/// loops and functions that are always inlined.
 #[derive(Clone, Copy)]
 pub(crate) struct Lanes<S: pulp::Simd> {
     simd: S,

@@ -83,14 +83,20 @@ impl pulp::WithSimd for DeformationGradients<'_> {
 
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, simd: S) {
-        for (vector, i) in (0..Lanes::<S>::VECTORS).flat_map(|v| (0..3).map(move |i| (v, i))) {
-            let mut row: [Lanes<S>; 3] = std::array::from_fn(|_| Lanes::splat(simd, 0.0));
-            for (a, u) in self.u[i].iter().enumerate() {
-                let u = Lanes::splat(simd, *u);
-                row = std::array::from_fn(|l| u.times_plus(Lanes::load(simd, &self.across[l][a], vector), row[l]));
+        for vector in 0..Lanes::<S>::VECTORS {
+            for i in 0..3 {
+                let mut row = [Lanes::splat(simd, 0.0); 3];
+                row[i] = Lanes::splat(simd, 1.0);
+                for (a, u) in self.u[i].iter().enumerate() {
+                    let u = Lanes::splat(simd, *u);
+                    for l in 0..3 {
+                        row[l] = u.times_plus(Lanes::load(simd, &self.across[l][a], vector), row[l]);
+                    }
+                }
+                for l in 0..3 {
+                    row[l].store(&mut self.f[i][l], vector);
+                }
             }
-            row[i] = row[i] + Lanes::splat(simd, 1.0);
-            (0..3).for_each(|l| row[l].store(&mut self.f[i][l], vector));
         }
     }
 }
@@ -109,15 +115,18 @@ impl pulp::WithSimd for Forces<'_> {
     fn with_simd<S: pulp::Simd>(self, simd: S) {
         let weight = Lanes::splat(simd, self.weight);
         for vector in 0..Lanes::<S>::VECTORS {
-            let mut sums: [Lanes<S>; 3] = std::array::from_fn(|_| Lanes::splat(simd, 0.0));
+            let mut sums = [Lanes::splat(simd, 0.0); 3];
             for (q, gradients) in self.gradients.iter().enumerate() {
                 for j in 0..3 {
                     let corners = Lanes::load(simd, &gradients[j], vector);
-                    let stress = |i: usize| Lanes::splat(simd, self.stress[i][j][q]);
-                    sums = std::array::from_fn(|i| stress(i).times_plus(corners, sums[i]));
+                    for i in 0..3 {
+                        sums[i] = Lanes::splat(simd, self.stress[i][j][q]).times_plus(corners, sums[i]);
+                    }
                 }
             }
-            (0..3).for_each(|i| (weight * sums[i]).store(&mut self.forces[i], vector));
+            for i in 0..3 {
+                (weight * sums[i]).store(&mut self.forces[i], vector);
+            }
         }
     }
 }
@@ -139,7 +148,9 @@ impl pulp::WithSimd for Contraction<'_> {
             let mut block = [[0.0; 8]; 8];
             for vector in 0..Lanes::<S>::VECTORS {
                 let sums = self.columns(simd, (i, k), vector);
-                block.iter_mut().zip(sums).for_each(|(row, sum)| sum.store(row, vector));
+                for (row, sum) in block.iter_mut().zip(sums) {
+                    sum.store(row, vector);
+                }
             }
             write(self.weight, &block, (i, k), self.out);
         }
@@ -150,14 +161,19 @@ impl Contraction<'_> {
     /// Rows a of the block of components (i, k), for one register of corners b.
     #[inline(always)]
     fn columns<S: pulp::Simd>(&self, simd: S, (i, k): (usize, usize), vector: usize) -> [Lanes<S>; 8] {
-        let mut sums: [Lanes<S>; 8] = std::array::from_fn(|_| Lanes::splat(simd, 0.0));
+        let mut sums = [Lanes::splat(simd, 0.0); 8];
         for (q, gradients) in self.gradients.iter().enumerate() {
-            let corners: [Lanes<S>; 3] = std::array::from_fn(|l| Lanes::load(simd, &gradients[l], vector));
+            let x = Lanes::load(simd, &gradients[0], vector);
+            let y = Lanes::load(simd, &gradients[1], vector);
+            let z = Lanes::load(simd, &gradients[2], vector);
             for j in 0..3 {
-                let entry = |l: usize| Lanes::splat(simd, self.tangents[3 * i + j][3 * k + l][q]);
-                let stress = entry(0).times_plus(corners[0], entry(1).times_plus(corners[1], entry(2) * corners[2]));
-                let slope = |a: usize| Lanes::splat(simd, gradients[j][a]);
-                sums = std::array::from_fn(|a| slope(a).times_plus(stress, sums[a]));
+                let row = &self.tangents[3 * i + j];
+                let last = Lanes::splat(simd, row[3 * k + 2][q]) * z;
+                let partial = Lanes::splat(simd, row[3 * k + 1][q]).times_plus(y, last);
+                let stress = Lanes::splat(simd, row[3 * k][q]).times_plus(x, partial);
+                for (a, sum) in sums.iter_mut().enumerate() {
+                    *sum = Lanes::splat(simd, gradients[j][a]).times_plus(stress, *sum);
+                }
             }
         }
         sums

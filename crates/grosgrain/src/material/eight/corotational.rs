@@ -1,9 +1,9 @@
 //! The formulas of `material/corotational.rs` in lanes, for points that are not inverted.
 
-use super::{EightMatrices, EightTangents, matrix_at, store, twists, write};
+use super::{EightMatrices, EightTangents, directions, matrix_at, weighted, with_directions, write};
 use crate::linalg::lanes::Lanes;
 use crate::linalg::matrix3::determinant;
-use crate::linalg::matrix3_lanes::{LaneMatrix, LaneSvd, load, svd};
+use crate::linalg::matrix3_lanes::{LaneMatrix, LaneSvd, load, scaled, store, svd};
 use crate::material::Projection;
 use crate::material::corotational::SMALLEST_SUM;
 use crate::material::spectral::PAIRS;
@@ -32,11 +32,17 @@ pub(super) fn tangent(lambda: f64, mu: f64, f: &EightMatrices, projection: Proje
     pulp::Arch::new().dispatch(Tangent { lambda, mu, f, least, tangent });
 }
 
-/// R = U Vᵀ.
+/// Σ left[a] ⊗ right[a]; R for singular vectors.
 #[inline(always)]
-fn rotation<S: pulp::Simd>(svd: &LaneSvd<S>) -> LaneMatrix<S> {
-    let product = |a: usize, i: usize, j: usize| svd.left[a][i] * svd.right[a][j];
-    std::array::from_fn(|i| std::array::from_fn(|j| product(0, i, j) + product(1, i, j) + product(2, i, j)))
+fn sum_of_products<S: pulp::Simd>(left: &LaneMatrix<S>, right: &LaneMatrix<S>) -> LaneMatrix<S> {
+    let mut sum = *left;
+    for i in 0..3 {
+        for j in 0..3 {
+            let last = left[2][i] * right[2][j];
+            sum[i][j] = left[0][i].times_plus(right[0][j], left[1][i].times_plus(right[1][j], last));
+        }
+    }
+    sum
 }
 
 struct Stress<'a> {
@@ -52,14 +58,17 @@ impl pulp::WithSimd for Stress<'_> {
 
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, simd: S) {
-        let [lambda, mu, half, one] = [self.lambda, self.mu, 0.5, 1.0].map(|v| Lanes::splat(simd, v));
+        let (lambda, mu) = (Lanes::splat(simd, self.lambda), Lanes::splat(simd, self.mu));
+        let (half, one) = (Lanes::splat(simd, 0.5), Lanes::splat(simd, 1.0));
         for vector in 0..Lanes::<S>::VECTORS {
-            let svd = svd(simd, &load(simd, self.f, vector));
-            let strains = svd.values.map(|s| s - one);
+            let LaneSvd { left, values, right } = svd(simd, &load(simd, self.f, vector));
+            let strains = [values[0] - one, values[1] - one, values[2] - one];
             let trace = strains[0] + strains[1] + strains[2];
-            let principal = strains.map(|e| (mu + mu).times_plus(e, lambda * trace));
-            let scaled: LaneMatrix<S> = std::array::from_fn(|a| svd.left[a].map(|v| principal[a] * v));
-            store(&rotation(&LaneSvd { left: scaled, ..svd }), self.stress, vector);
+            let mut forces = left;
+            for a in 0..3 {
+                forces[a] = scaled((mu + mu).times_plus(strains[a], lambda * trace), &left[a]);
+            }
+            store(&sum_of_products(&forces, &right), self.stress, vector);
             let squares = strains[0] * strains[0] + strains[1] * strains[1] + strains[2] * strains[2];
             mu.times_plus(squares, half * lambda * trace * trace).store(self.energies, vector);
         }
@@ -80,26 +89,33 @@ impl pulp::WithSimd for Tangent<'_> {
 
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, simd: S) {
-        let [lambda, mu, half, zero] = [self.lambda, self.mu, 0.5, 0.0].map(|v| Lanes::splat(simd, v));
-        let [three, smallest, least] = [3.0, SMALLEST_SUM, self.least].map(|v| Lanes::splat(simd, v));
+        let (lambda, mu) = (Lanes::splat(simd, self.lambda), Lanes::splat(simd, self.mu));
+        let (zero, half, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 0.5), Lanes::splat(simd, 1.0));
+        let (smallest, least) = (Lanes::splat(simd, SMALLEST_SUM), Lanes::splat(simd, self.least));
         let stiff = mu + mu;
         for vector in 0..Lanes::<S>::VECTORS {
             let svd = svd(simd, &load(simd, self.f, vector));
-            let trace = svd.values[0] + svd.values[1] + svd.values[2] - three;
+            let trace = (svd.values[0] - one) + (svd.values[1] - one) + (svd.values[2] - one);
             let excess = (lambda + lambda).times_plus(trace, -(stiff + stiff));
             // What a twist has beyond 2 μ, halved for the missing 1/√2.
-            let beyond = PAIRS.map(|(a, b)| {
-                let twist = stiff + excess / (svd.values[a] + svd.values[b]).max(smallest);
-                half * (twist.max(least) - stiff)
-            });
-            let (twists, rotation) = (twists(&svd), rotation(&svd));
-            let weighted: [[Lanes<S>; 9]; 3] = std::array::from_fn(|n| twists[n].map(|v| beyond[n] * v));
-            write(self.tangent, vector, |row, column| {
-                let identity = if row == column { stiff } else { zero };
-                let along = |n: usize| rotation[n / 3][n % 3];
-                let twist = |n: usize, sum: Lanes<S>| weighted[n][row].times_plus(twists[n][column], sum);
-                twist(0, twist(1, twist(2, (lambda * along(row)).times_plus(along(column), identity))))
-            });
+            let mut beyond = [zero; 3];
+            for n in 0..3 {
+                let sum = svd.values[PAIRS[n].0] + svd.values[PAIRS[n].1];
+                let twist = stiff + excess / sum.max(smallest);
+                beyond[n] = half * (twist.max(least) - stiff);
+            }
+            let rotation = sum_of_products(&svd.left, &svd.right);
+            let directions = directions(&svd, -one);
+            let weighted = weighted(&directions, &beyond);
+            for row in 0..9 {
+                let stretched = lambda * rotation[row / 3][row % 3];
+                for column in row..9 {
+                    let identity = if row == column { stiff } else { zero };
+                    let start = stretched.times_plus(rotation[column / 3][column % 3], identity);
+                    let entry = with_directions(start, &weighted, &directions, (row, column));
+                    write(entry, self.tangent, (row, column), vector);
+                }
+            }
         }
     }
 }

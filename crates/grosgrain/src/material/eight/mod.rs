@@ -3,10 +3,11 @@
 mod corotational;
 mod neo_hookean;
 
+use super::spectral::PAIRS;
 use super::{PointLaw, Projection};
 use crate::linalg::lanes::Lanes;
 use crate::linalg::matrix3::Matrix3;
-use crate::linalg::matrix3_lanes::{LaneMatrix, LaneSvd};
+use crate::linalg::matrix3_lanes::{LaneSvd, LaneVector, scaled};
 
 /// Eight 3×3 matrices, `m[row][column][point]`.
 pub type EightMatrices = [[[f64; 8]; 3]; 3];
@@ -80,34 +81,51 @@ pub(crate) fn matrix_at(m: &EightMatrices, point: usize) -> Matrix3 {
     std::array::from_fn(|i| std::array::from_fn(|j| m[i][j][point]))
 }
 
-/// Twists uₐ ⊗ v_b − u_b ⊗ vₐ (without 1/√2), in the order of [`PAIRS`](super::spectral::PAIRS).
+/// uₐ ⊗ v_b + sign u_b ⊗ vₐ in the order of [`PAIRS`]: twists for −1, flips for 1, without 1/√2.
 #[inline(always)]
-fn twists<S: pulp::Simd>(svd: &LaneSvd<S>) -> [[Lanes<S>; 9]; 3] {
-    super::spectral::PAIRS.map(|(a, b)| {
-        std::array::from_fn(|n| {
-            let (i, j) = (n / 3, n % 3);
-            svd.left[a][i].times_plus(svd.right[b][j], -(svd.left[b][i] * svd.right[a][j]))
-        })
-    })
-}
-
-/// Writes the entries of a symmetric tangent: `entry(row, column)` is asked for the upper triangle only.
-#[inline(always)]
-fn write<S: pulp::Simd>(out: &mut EightTangents, vector: usize, entry: impl Fn(usize, usize) -> Lanes<S>) {
-    for row in 0..9 {
-        for column in row..9 {
-            let value = entry(row, column);
-            value.store(&mut out[row][column], vector);
-            value.store(&mut out[column][row], vector);
+fn directions<S: pulp::Simd>(svd: &LaneSvd<S>, sign: Lanes<S>) -> [[Lanes<S>; 9]; 3] {
+    let mut directions = [[sign; 9]; 3];
+    for n in 0..3 {
+        let (a, b) = PAIRS[n];
+        let signed = scaled(sign, &svd.left[b]);
+        for i in 0..3 {
+            for j in 0..3 {
+                directions[n][3 * i + j] = svd.left[a][i].times_plus(svd.right[b][j], signed[i] * svd.right[a][j]);
+            }
         }
     }
+    directions
 }
 
+/// `start` plus entry (row, column) of Σ wₙ dₙ dₙᵀ, with the directions dₙ and wₙ dₙ.
 #[inline(always)]
-fn store<S: pulp::Simd>(m: &LaneMatrix<S>, out: &mut EightMatrices, vector: usize) {
-    for (i, j) in (0..9).map(|n| (n / 3, n % 3)) {
-        m[i][j].store(&mut out[i][j], vector);
+fn with_directions<S: pulp::Simd>(
+    start: Lanes<S>,
+    weighted: &[[Lanes<S>; 9]; 3],
+    directions: &[[Lanes<S>; 9]; 3],
+    (row, column): (usize, usize),
+) -> Lanes<S> {
+    let third = weighted[2][row].times_plus(directions[2][column], start);
+    weighted[0][row].times_plus(directions[0][column], weighted[1][row].times_plus(directions[1][column], third))
+}
+
+/// Directions times a weight each.
+#[inline(always)]
+fn weighted<S: pulp::Simd>(directions: &[[Lanes<S>; 9]; 3], weights: &LaneVector<S>) -> [[Lanes<S>; 9]; 3] {
+    let mut weighted = *directions;
+    for n in 0..3 {
+        for m in 0..9 {
+            weighted[n][m] = weights[n] * directions[n][m];
+        }
     }
+    weighted
+}
+
+/// Writes an entry of a symmetric tangent and its mirror image.
+#[inline(always)]
+fn write<S: pulp::Simd>(value: Lanes<S>, out: &mut EightTangents, (row, column): (usize, usize), vector: usize) {
+    value.store(&mut out[row][column], vector);
+    value.store(&mut out[column][row], vector);
 }
 
 #[cfg(test)]
