@@ -84,11 +84,12 @@ impl pulp::WithSimd for GradientMap<'_> {
         for vector in 0..COLUMNS / S::F64_LANES {
             let mut sums = [simd.splat_f64s(0.0); 9];
             for a in 0..8 {
-                let slope = self.gradients.map(|of_axis| simd.splat_f64s(of_axis[a]));
-                for i in 0..3 {
-                    let row = S::as_simd_f64s(&self.rows[3 * a + i]).0[vector];
-                    for j in 0..3 {
-                        sums[3 * i + j] = simd.mul_add_f64s(slope[j], row, sums[3 * i + j]);
+                for j in 0..3 {
+                    // Not in a closure, which would be compiled without the wide instructions.
+                    let slope = simd.splat_f64s(self.gradients[j][a]);
+                    for i in 0..3 {
+                        let row = S::as_simd_f64s(&self.rows[3 * a + i]).0[vector];
+                        sums[3 * i + j] = simd.mul_add_f64s(slope, row, sums[3 * i + j]);
                     }
                 }
             }
