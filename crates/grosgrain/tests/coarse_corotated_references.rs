@@ -7,7 +7,7 @@ use bodies::*;
 use corotated::*;
 use grosgrain::coarse::{
     BuildOptions, CoarseModel, Corotated, CorotatedError, EmbeddedPoint, Embedding, Integration, Method, NO_POTENTIALS,
-    SupportedCoarse, build,
+    Potential, SupportedCoarse, build,
 };
 use grosgrain::dynamics::solve_coarse;
 use grosgrain::fine::{FineForces, FineModel};
@@ -127,6 +127,28 @@ fn embedded_nodes_are_where_the_prolongation_puts_them() {
             assert!((mean - exact).abs() < 1e-13 * 10.0, "node {node:?}: {mean} against {exact}");
         }
     }
+}
+
+#[test]
+fn points_are_listed_in_the_order_in_which_they_were_given_and_have_their_share_of_the_potential() {
+    let model = body(3, true, 7);
+    let coarse = trained(&model, 3);
+    let u = far(&model, &coarse, 1);
+    let (corotated, bowls) = loaded(&model, &coarse, Integration::Stiffness);
+    let points = corotated.points();
+    assert!(!points.is_sorted_by_key(|point| point.element), "the order of elements tells nothing");
+    let mut positions = Vec::new();
+    corotated.positions(&coarse, &u, &mut positions).unwrap();
+    let (mut alone, mut one) = (corotated.clone(), Vec::new());
+    for (point, position) in points.iter().zip(&positions) {
+        alone.set_points(vec![*point]);
+        alone.positions(&coarse, &u, &mut one).unwrap();
+        assert_eq!(one, [*position]);
+    }
+    let energy = |n: usize| points[n].share * bowls[n].evaluate(positions[n]).0;
+    let exact: f64 = (0..points.len()).map(energy).sum();
+    let found = corotated.energy(&coarse, &u, &bowls).unwrap().points;
+    assert!((found / exact - 1.0).abs() < 1e-13, "{found} against {exact}");
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! How the energy of an element is found from its fine cells.
 
-use crate::element::{CellMatrix, Hex8, gauss_2x2x2, trilinear_gradients};
+use crate::element::{CellMatrix, Hex8};
 use crate::fine::FineModel;
 use crate::material::{Material, PointLaw};
 
@@ -15,22 +15,6 @@ pub enum Integration {
     /// ½ v·K̄ v with the stiffness K̄ of the coarse model: the law does not matter, and all fine cells of the element rotate with it.
     #[default]
     Stiffness,
-}
-
-/// Points of a fine cell: weight times volume \[m³\], and the gradients of the eight weights \[1/m\].
-pub(super) type Rule = Vec<(f64, [[f64; 3]; 8])>;
-
-impl Integration {
-    /// The points at which a fine cell evaluates its law.
-    pub(super) fn rule(self, spacing: [f64; 3]) -> Rule {
-        let volume: f64 = spacing.iter().product();
-        let gradients = |at: [f64; 3]| trilinear_gradients(at).map(|g| std::array::from_fn(|a| g[a] / spacing[a]));
-        match self {
-            Self::Gauss => gauss_2x2x2().iter().map(|p| (p.weight * volume, gradients(p.at))).collect(),
-            Self::Centre => vec![(volume, gradients([0.5; 3]))],
-            Self::Stiffness => Vec::new(),
-        }
-    }
 }
 
 /// What the cells of one material share, for a factor of one.

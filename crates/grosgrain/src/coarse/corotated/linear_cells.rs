@@ -5,6 +5,7 @@ use super::points::add_turning_force;
 use crate::coarse::galerkin::{ROWS, add_congruence};
 use crate::coarsening::COLUMNS;
 use crate::element::CellMatrix;
+use crate::fine::{CellVectors, SingleCell};
 use crate::linalg::matrix3::{Matrix3, apply, apply_transposed, cross, product, skew};
 use crate::material::Projection;
 
@@ -15,36 +16,36 @@ pub(super) struct LinearCell<'a> {
     /// Corners X_a relative to the centre of the coarse cell \[m\].
     pub corners: [[f64; 3]; 8],
     /// (W v)_a \[m\].
-    pub moved: Columns,
+    pub moved: CellVectors,
 }
 
 impl LinearCell<'_> {
     /// z_a.
     fn place(&self, a: usize) -> [f64; 3] {
-        std::array::from_fn(|r| self.corners[a][r] + self.moved[3 * a + r])
+        std::array::from_fn(|r| self.corners[a][r] + self.moved[r][a])
     }
 
     /// Energy \[J\], and its gradients at the corners in the rotated frame.
-    pub fn energy(&self, frame: &Frame) -> (f64, [[f64; 3]; 8]) {
+    pub fn energy(&self, frame: &Frame) -> (f64, CellVectors) {
         let (stiffness, factor) = self.stiffness;
-        let mut u = [0.0; COLUMNS];
+        let mut u = [[0.0; 8]; 3];
         for a in 0..8 {
             let to = apply(&frame.rotation, &self.place(a));
-            (0..3).for_each(|r| u[3 * a + r] = to[r] - self.corners[a][r]);
+            (0..3).for_each(|r| u[r][a] = to[r] - self.corners[a][r]);
         }
-        let row = |n: usize| stiffness[COLUMNS * n..][..COLUMNS].iter().zip(&u).map(|(k, u)| k * u).sum::<f64>();
-        let forces: Columns = std::array::from_fn(|n| factor * row(n));
-        let energy = 0.5 * u.iter().zip(&forces).map(|(u, f)| u * f).sum::<f64>();
-        let local =
-            |a: usize| apply_transposed(&frame.rotation, &[forces[3 * a], forces[3 * a + 1], forces[3 * a + 2]]);
-        (energy, std::array::from_fn(local))
+        let (energy, mut forces) = SingleCell::linear(factor, stiffness, &u);
+        for a in 0..8 {
+            let local = apply_transposed(&frame.rotation, &at_corner(&forces, a));
+            (0..3).for_each(|r| forces[r][a] = local[r]);
+        }
+        (energy, forces)
     }
 
     /// What the cell's forces on its corners (rotated frame) add to θ; they add to g through Wᵀ.
-    pub fn couple(&self, forces: &[[f64; 3]; 8]) -> [f64; 3] {
+    pub fn couple(&self, forces: &CellVectors) -> [f64; 3] {
         let mut couple = [0.0; 3];
-        for (a, force) in forces.iter().enumerate() {
-            let part = cross(&self.place(a), force);
+        for a in 0..8 {
+            let part = cross(&self.place(a), &at_corner(forces, a));
             (0..3).for_each(|k| couple[k] += part[k]);
         }
         couple
@@ -55,7 +56,7 @@ impl LinearCell<'_> {
         &self,
         frame: &Frame,
         rows: &[Columns; COLUMNS],
-        (forces, projection): (&[[f64; 3]; 8], Projection),
+        (forces, projection): (&CellVectors, Projection),
         curvature: &mut LocalCurvature,
     ) {
         let (stiffness, factor) = self.stiffness;
@@ -85,10 +86,14 @@ impl LinearCell<'_> {
         let square: Matrix3 = std::array::from_fn(|k| std::array::from_fn(|l| entry(k.min(l), k.max(l))));
         (0..9).for_each(|n| curvature.rotational[n / 3][n % 3] += square[n / 3][n % 3]);
         if projection == Projection::Exact {
-            for (a, force) in forces.iter().enumerate() {
+            for a in 0..8 {
                 let functions = [rows[3 * a], rows[3 * a + 1], rows[3 * a + 2]];
-                add_turning_force(&functions, self.place(a), force, curvature);
+                add_turning_force(&functions, self.place(a), &at_corner(forces, a), curvature);
             }
         }
     }
+}
+
+fn at_corner(vectors: &CellVectors, a: usize) -> [f64; 3] {
+    [vectors[0][a], vectors[1][a], vectors[2][a]]
 }

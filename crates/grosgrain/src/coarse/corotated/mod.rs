@@ -4,6 +4,7 @@
 //! rotation is a function of the corners, and all derivatives say so. `docs/theory/coarse-model.md` has the formulas.
 
 mod cells;
+mod elastic;
 mod error;
 mod frame;
 mod integration;

@@ -2,7 +2,8 @@
 
 use rayon::prelude::*;
 
-use super::cells::{ElasticElement, ElementCells, Shared, Workspace};
+use super::cells::{ElementCells, Shared};
+use super::elastic::{ElasticElement, Workspace};
 use super::error::CorotatedError;
 use super::frame::{CoarseBox, Columns, Frame, LocalCurvature, LocalForces};
 use super::integration::{Integration, SharedMaterial};
@@ -14,7 +15,7 @@ use super::products::prolong;
 use crate::coarse::{CoarseModel, Embedding};
 use crate::coarsening::COLUMNS;
 use crate::element::CellMatrix;
-use crate::fine::FineModel;
+use crate::fine::{FineModel, SingleCell};
 use crate::linalg::matrix3::apply;
 use crate::material::Projection;
 use crate::mesh::Node;
@@ -75,7 +76,7 @@ impl Corotated {
         let shared = Shared {
             cell: CoarseBox::new(coarse.spacing()),
             integration,
-            rule: integration.rule(fine.grid().spacing),
+            fine_cell: SingleCell::new(fine.grid().spacing),
             materials: SharedMaterial::all(fine),
             lattice: coarse.partition().cell_lattice(),
         };
@@ -227,15 +228,20 @@ impl Corotated {
     /// Panics when `u` has not three entries per vertex, or `coarse` is another model.
     pub fn positions(&self, coarse: &CoarseModel, u: &[f64], out: &mut Vec<[f64; 3]>) -> Result<(), CorotatedError> {
         self.check(coarse, u, self.points.all.len());
-        let position = |point: &EmbeddedPoint| {
-            let index = point.element as usize;
-            let frame = self.frame(coarse, index, u)?;
-            Ok(point.position(&frame, self.place.centre(coarse, coarse.elements()[index])))
+        let of_element = |numbers: &[u32]| {
+            let index = self.points.all[numbers[0] as usize].element as usize;
+            let frame = self.frame(coarse, index, u);
+            let centre = self.place.centre(coarse, coarse.elements()[index]);
+            let position = move |n: &u32| Ok((*n, self.points.all[*n as usize].position(&frame?, centre)));
+            numbers.iter().map(position).collect::<Vec<Result<(u32, [f64; 3]), CorotatedError>>>()
         };
-        let positions: Vec<Result<[f64; 3], CorotatedError>> = self.points.all.par_iter().map(position).collect();
+        let groups = self.points.by_element();
+        let found: Vec<Result<(u32, [f64; 3]), CorotatedError>> = groups.flat_map_iter(of_element).collect();
         out.clear();
-        for position in positions {
-            out.push(position?);
+        out.resize(self.points.all.len(), [0.0; 3]);
+        for position in found {
+            let (number, at) = position?;
+            out[number as usize] = at;
         }
         Ok(())
     }

@@ -1,5 +1,7 @@
 //! Points that move with elements: nodes of the fine lattice, and weighted means of them.
 
+use rayon::prelude::*;
+
 use super::frame::{Columns, Frame, LocalCurvature, LocalForces};
 use super::place::Place;
 use super::potential::Potential;
@@ -179,6 +181,11 @@ impl Points {
         let mut order: Vec<u32> = (0..all.len() as u32).collect();
         order.sort_by_key(|n| all[*n as usize].element);
         Self { all, order, first }
+    }
+
+    /// Numbers of the points of each element that has some, elements ascending.
+    pub fn by_element(&self) -> impl ParallelIterator<Item = &[u32]> {
+        self.order.par_chunk_by(|a, b| self.all[*a as usize].element == self.all[*b as usize].element)
     }
 
     /// Numbers of the points of an element, ascending.

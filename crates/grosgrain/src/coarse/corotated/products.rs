@@ -21,10 +21,10 @@ pub(super) fn add_restricted(functions: &[f64], f: &[f64], g: &mut Columns) {
     pulp::Arch::new().dispatch(Restrict { functions: functions.as_chunks().0, f, g });
 }
 
-/// M = Σ_a c_a ⊗ W_a, rows 3 i + j: the map from v to Σ_a (W_a v)_i c_a,j. `rows` are the 24 rows of W at the corners of a fine cell.
-pub(super) fn gradient_map(rows: &[Columns; COLUMNS], slopes: &[[f64; 3]; 8]) -> [Columns; 9] {
+/// M, rows 3 i + j: the map from v to the displacement gradient Σ_a (W v)_a,i ∂N_a/∂X_j. `rows` are the 24 rows of W at the corners of a fine cell.
+pub(super) fn gradient_map(rows: &[Columns; COLUMNS], gradients: &[[f64; 8]; 3]) -> [Columns; 9] {
     let mut map = [[0.0; COLUMNS]; 9];
-    pulp::Arch::new().dispatch(GradientMap { rows, slopes, map: &mut map });
+    pulp::Arch::new().dispatch(GradientMap { rows, gradients, map: &mut map });
     map
 }
 
@@ -72,7 +72,7 @@ impl pulp::WithSimd for Restrict<'_> {
 
 struct GradientMap<'a> {
     rows: &'a [Columns; COLUMNS],
-    slopes: &'a [[f64; 3]; 8],
+    gradients: &'a [[f64; 8]; 3],
     map: &'a mut [Columns; 9],
 }
 
@@ -83,12 +83,13 @@ impl pulp::WithSimd for GradientMap<'_> {
     fn with_simd<S: pulp::Simd>(self, simd: S) {
         for vector in 0..COLUMNS / S::F64_LANES {
             let mut sums = [simd.splat_f64s(0.0); 9];
-            for (a, slope) in self.slopes.iter().enumerate() {
-                let slope = slope.map(|s| simd.splat_f64s(s));
-                for i in 0..3 {
-                    let row = S::as_simd_f64s(&self.rows[3 * a + i]).0[vector];
-                    for j in 0..3 {
-                        sums[3 * i + j] = simd.mul_add_f64s(slope[j], row, sums[3 * i + j]);
+            for a in 0..8 {
+                for j in 0..3 {
+                    // Not in a closure, which would be compiled without the wide instructions.
+                    let slope = simd.splat_f64s(self.gradients[j][a]);
+                    for i in 0..3 {
+                        let row = S::as_simd_f64s(&self.rows[3 * a + i]).0[vector];
+                        sums[3 * i + j] = simd.mul_add_f64s(slope, row, sums[3 * i + j]);
                     }
                 }
             }

@@ -5,6 +5,7 @@
 
 mod cell;
 mod points;
+mod single;
 mod tangents;
 
 use rayon::prelude::*;
@@ -17,6 +18,7 @@ use points::CornerVectors;
 
 pub(super) use cell::smallest_determinant;
 pub(super) use points::{GaussPoints, corner_displacements, deformation_gradient, gradients_at};
+pub(crate) use single::{CellVectors, SingleCell};
 pub use tangents::CellTangents;
 
 /// A cell that is turned inside out somewhere, where its material has no energy.

@@ -19,6 +19,11 @@ impl PointLaw {
     /// What [`stress`](Self::stress) gives at eight points: Σ ψ \[J/m³\], and P into `stress` \[Pa\]; `None` if one of them is inverted.
     /// Equal to rounding.
     pub fn stress_at_eight(&self, f: &EightMatrices, stress: &mut EightMatrices) -> Option<f64> {
+        Some(self.energies_at_eight(f, stress)?.iter().sum())
+    }
+
+    /// The same with ψ \[J/m³\] of every point.
+    pub fn energies_at_eight(&self, f: &EightMatrices, stress: &mut EightMatrices) -> Option<[f64; 8]> {
         let energies = match *self {
             Self::NeoHookean { lambda, mu } => neo_hookean::stress(lambda, mu, f, stress)?,
             Self::Corotational { lambda, mu } if corotational::is_upright(f) => {
@@ -34,7 +39,7 @@ impl PointLaw {
                 energies
             }
         };
-        Some(energies.iter().sum())
+        Some(energies)
     }
 
     /// What [`tangent`](Self::tangent) gives at eight points: ∂P/∂F into `tangent` \[Pa\]; `None` if one of them is inverted.
