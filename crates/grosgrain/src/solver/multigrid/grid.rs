@@ -89,6 +89,11 @@ impl Layout {
         Self { nodes, origin: 0, component: 1, strides: [3, 3 * nx, 3 * nx * ny], ghost: 0 }
     }
 
+    /// Nodes without an order in space, component fastest.
+    pub fn list(nodes: usize) -> Self {
+        Self { nodes: [nodes, 1, 1], origin: 0, component: 1, strides: [3, 3 * nodes, 3 * nodes], ghost: 0 }
+    }
+
     /// A row of x, then of y, then of z components, with a frame of zeros, rows filled up to whole lanes.
     pub fn rows(lattice: Lattice) -> Self {
         let nodes @ [nx, ny, _] = lattice.nodes();

@@ -35,13 +35,20 @@ pub(super) fn invert(block: &[f64; 9]) -> InverseBlock {
 /// The finest lattice: cells without a matrix.
 pub(super) struct FineLevel<'a> {
     pub operator: &'a MatrixFree<'a>,
+    jacobi: BlockJacobi,
+}
+
+/// The inverse of D, block by block, for vectors with three entries per node.
+#[derive(Debug, Default)]
+pub(super) struct BlockJacobi {
     inverse: Vec<[f32; 6]>,
 }
 
 impl<'a> FineLevel<'a> {
     pub fn new(operator: &'a MatrixFree<'a>) -> Self {
-        let inverse = operator.diagonal_blocks().iter().map(|block| invert(block).map(|v| v as f32)).collect();
-        Self { operator, inverse }
+        let mut jacobi = BlockJacobi::default();
+        jacobi.renew(operator.diagonal_blocks().into_iter());
+        Self { operator, jacobi }
     }
 }
 
@@ -59,7 +66,20 @@ impl Level for FineLevel<'_> {
         Layout::interleaved(self.operator.lattice())
     }
 
-    fn relax(&self, [alpha, beta]: [f64; 2], b: &[f64], ax: Option<&[f64]>, [d, x]: [&mut [f64]; 2]) {
+    fn relax(&self, factors: [f64; 2], b: &[f64], ax: Option<&[f64]>, vectors: [&mut [f64]; 2]) {
+        self.jacobi.relax(factors, b, ax, vectors);
+    }
+}
+
+impl BlockJacobi {
+    /// Inverts the diagonal blocks.
+    pub fn renew(&mut self, blocks: impl Iterator<Item = [f64; 9]>) {
+        self.inverse.clear();
+        self.inverse.extend(blocks.map(|block| invert(&block).map(|v| v as f32)));
+    }
+
+    /// See [`Level::relax`].
+    pub fn relax(&self, [alpha, beta]: [f64; 2], b: &[f64], ax: Option<&[f64]>, [d, x]: [&mut [f64]; 2]) {
         let chunks = d.par_chunks_mut(3 * TASK).zip(x.par_chunks_mut(3 * TASK)).enumerate();
         chunks.for_each(|(c, (d, x))| {
             let (d, _) = d.as_chunks_mut::<3>();

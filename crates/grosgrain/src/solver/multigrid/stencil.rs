@@ -8,24 +8,7 @@ use super::level::{Level, invert};
 use crate::element::CellMatrix;
 use crate::linalg::LinearOperator;
 use crate::mesh::Lattice;
-
-/// `f32` or `f64`.
-pub(super) trait Coefficient: Copy + Default + Into<f64> + Send + Sync {
-    /// Rounds to it.
-    fn of(value: f64) -> Self;
-}
-
-impl Coefficient for f32 {
-    fn of(value: f64) -> Self {
-        value as f32
-    }
-}
-
-impl Coefficient for f64 {
-    fn of(value: f64) -> Self {
-        value
-    }
-}
+use crate::solver::block_matrix::Coefficient;
 
 /// Coefficients of [`LANES`] nodes: neighbour (x fastest), entry of the 3×3 block, lane.
 type Block<C> = [[[C; LANES]; 9]; 27];

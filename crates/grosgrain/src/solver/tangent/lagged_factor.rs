@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::super::SolverError;
-use super::block_matrix::BlockMatrix;
+use super::super::block_matrix::BlockMatrix;
 use crate::linalg::{Cholesky, CholeskyError, Preconditioner, SymbolicCholesky};
 
 /// Diagonal shift, relative to each diagonal entry, where rounding has made the matrix indefinite.
@@ -34,10 +34,6 @@ impl LaggedFactor {
         let iteration = 2.0 * symbolic.factor_entries() as f64 + matrix.operations();
         let price = symbolic.factor_flops() / (MEMORY_BOUND * iteration);
         Ok(Self { symbolic, cholesky: None, values: Vec::new(), price, spent: 0.0, solves: 0 })
-    }
-
-    pub fn symbolic(&self) -> &SymbolicCholesky {
-        &self.symbolic
     }
 
     /// Whether there is a factor, of whichever matrix.

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::super::SolverError;
+use super::SolverError;
 use crate::assembly::Constraints;
 use crate::element::CellMatrix;
 use crate::linalg::{CholeskyError, LinearOperator, SparsePattern};
@@ -10,11 +10,29 @@ use crate::linalg::{CholeskyError, LinearOperator, SparsePattern};
 /// Vertices per task of parallel loops.
 const TASK: usize = 128;
 
+/// `f32` or `f64`.
+pub(super) trait Coefficient: Copy + Default + Into<f64> + Send + Sync {
+    /// Rounds to it.
+    fn of(value: f64) -> Self;
+}
+
+impl Coefficient for f32 {
+    fn of(value: f64) -> Self {
+        value as f32
+    }
+}
+
+impl Coefficient for f64 {
+    fn of(value: f64) -> Self {
+        value
+    }
+}
+
 /// Rows of blocks, both triangles, so that a product gathers and needs no colours: every sum has one order.
 ///
 /// Prescribed components are zero rows and columns. Vertices stand in elimination order.
 #[derive(Debug)]
-pub(super) struct BlockMatrix {
+pub(super) struct BlockMatrix<C = f64> {
     /// Where the incidences of each vertex start.
     incidence_starts: Vec<u32>,
     /// 8 × element + corner, by vertex.
@@ -24,12 +42,12 @@ pub(super) struct BlockMatrix {
     places: Vec<[u32; 64]>,
     row_starts: Vec<u32>,
     columns: Vec<u32>,
-    blocks: Vec<[f64; 9]>,
+    blocks: Vec<[C; 9]>,
     /// Bit r of entry v: component r of vertex v is an unknown.
     free: Vec<u8>,
 }
 
-impl BlockMatrix {
+impl<C: Coefficient> BlockMatrix<C> {
     /// The zero matrix of `vertices` vertices and elements with these corners.
     pub fn new(vertices: usize, corners: Vec<[u32; 8]>) -> Result<Self, SolverError> {
         let (incidence_starts, incidences) = incidences(vertices, &corners);
@@ -54,7 +72,7 @@ impl BlockMatrix {
             row.partition_point(|column| *column < b) as u32
         };
         let places = corners.iter().map(|c| std::array::from_fn(|n| place(c[n / 8], c[n % 8]))).collect();
-        let blocks = vec![[0.0; 9]; columns.len()];
+        let blocks = vec![[C::default(); 9]; columns.len()];
         Ok(Self { incidence_starts, incidences, corners, places, row_starts, columns, blocks, free: vec![7; vertices] })
     }
 
@@ -79,22 +97,55 @@ impl BlockMatrix {
         let (corners, places, free) = (&*corners, &*places, &*free);
         let rows = split_rows(blocks, row_starts);
         rows.into_par_iter().for_each(|(first, mut blocks)| {
+            let mut sums = Vec::new();
             for v in first..(first + TASK).min(free.len()) {
                 let (row, rest) = blocks.split_at_mut((row_starts[v + 1] - row_starts[v]) as usize);
                 blocks = rest;
-                row.fill([0.0; 9]);
+                sums.clear();
+                sums.resize(row.len(), [0.0; 9]);
                 for n in &incidences[incidence_starts[v] as usize..incidence_starts[v + 1] as usize] {
                     let (element, a) = (*n as usize / 8, *n as usize % 8);
                     let (factor, matrix) = stiffness(element);
                     let places = &places[element][8 * a..8 * a + 8];
-                    add_rows(factor, &matrix[72 * a..72 * a + 72], (places, &corners[element], free), free[v], row);
+                    add_rows(
+                        factor,
+                        &matrix[72 * a..72 * a + 72],
+                        (places, &corners[element], free),
+                        free[v],
+                        &mut sums,
+                    );
                 }
+                row.iter_mut().zip(&sums).for_each(|(block, sum)| *block = sum.map(C::of));
             }
         });
     }
 
     fn row(&self, v: usize) -> std::ops::Range<usize> {
         self.row_starts[v] as usize..self.row_starts[v + 1] as usize
+    }
+
+    /// Row-major diagonal blocks.
+    pub fn diagonal_blocks(&self) -> impl Iterator<Item = [f64; 9]> {
+        (0..self.vertices()).map(|v| {
+            let row = self.row(v);
+            let own = row.start + self.columns[row].partition_point(|column| (*column as usize) < v);
+            self.blocks[own].map(Into::into)
+        })
+    }
+
+    /// Bit r of entry v: component r of vertex v is an unknown.
+    pub fn free(&self) -> &[u8] {
+        &self.free
+    }
+
+    /// Corners of the elements.
+    pub fn corners(&self) -> &[[u32; 8]] {
+        &self.corners
+    }
+
+    /// Marks the unknowns by bits.
+    pub fn set_free(&mut self, free: &[u8]) {
+        self.free.copy_from_slice(free);
     }
 
     /// Where the lower triangle has entries, by columns.
@@ -118,14 +169,15 @@ impl BlockMatrix {
             let row = self.row(v);
             let own = row.start + self.columns[row.clone()].partition_point(|column| (*column as usize) < v);
             for c in 0..3 {
-                let diagonal = self.blocks[own][4 * c];
+                let diagonal: f64 = self.blocks[own][4 * c].into();
                 values[next] = if diagonal == 0.0 { 1.0 } else { diagonal * (1.0 + shift) };
-                values[next + 1..next + 3 - c].copy_from_slice(&self.blocks[own][4 * c + 1..3 * c + 3]);
-                next += 3 - c;
-                for block in &self.blocks[own + 1..row.end] {
-                    values[next..next + 3].copy_from_slice(&block[3 * c..3 * c + 3]);
-                    next += 3;
-                }
+                next += 1;
+                let mut put = |entries: &[C]| {
+                    entries.iter().zip(&mut values[next..]).for_each(|(entry, value)| *value = (*entry).into());
+                    next += entries.len();
+                };
+                put(&self.blocks[own][4 * c + 1..3 * c + 3]);
+                self.blocks[own + 1..row.end].iter().for_each(|block| put(&block[3 * c..3 * c + 3]));
             }
         }
     }
@@ -143,7 +195,7 @@ impl BlockMatrix {
     }
 }
 
-impl LinearOperator for BlockMatrix {
+impl<C: Coefficient> LinearOperator for BlockMatrix<C> {
     fn apply(&self, x: &[f64], y: &mut [f64]) {
         let (x, _) = x.as_chunks::<3>();
         y.par_chunks_mut(3 * TASK).enumerate().for_each(|(task, y)| {
@@ -153,6 +205,7 @@ impl LinearOperator for BlockMatrix {
                 let mut sum = [0.0; 3];
                 for (block, column) in self.blocks[row.clone()].iter().zip(&self.columns[row]) {
                     let u = &x[*column as usize];
+                    let block = block.map(Into::into);
                     for r in 0..3 {
                         sum[r] += block[3 * r] * u[0] + block[3 * r + 1] * u[1] + block[3 * r + 2] * u[2];
                     }
@@ -178,7 +231,7 @@ fn incidences(vertices: usize, corners: &[[u32; 8]]) -> (Vec<u32>, Vec<u32>) {
 }
 
 /// The rows of [`TASK`] vertices at a time, with the first of these.
-fn split_rows<'b>(mut blocks: &'b mut [[f64; 9]], row_starts: &[u32]) -> Vec<(usize, &'b mut [[f64; 9]])> {
+fn split_rows<'b, C>(mut blocks: &'b mut [[C; 9]], row_starts: &[u32]) -> Vec<(usize, &'b mut [[C; 9]])> {
     let vertices = row_starts.len() - 1;
     let mut rows = Vec::with_capacity(vertices.div_ceil(TASK));
     for first in (0..vertices).step_by(TASK) {
