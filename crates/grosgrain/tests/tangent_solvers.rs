@@ -11,7 +11,7 @@ use grosgrain::linalg::matrix3::{Matrix3, polar, product, transposed};
 use grosgrain::mesh::{Cell, Lattice, Node};
 use grosgrain::partition::{CoarseMesh, Partition};
 use grosgrain::solver::{
-    AnalysedLattice, DirectSolver, ElementSystem, ElementTangent, LatticeTangent, SolverError, Support,
+    AnalysedLattice, DirectSolver, ElementCells, ElementSystem, ElementTangent, LatticeTangent, SolverError, Support,
 };
 
 const SPACING: [f64; 3] = [1.0, 0.8, 1.1];
@@ -234,16 +234,27 @@ fn held_vertices(mesh: &CoarseMesh, axis: usize) -> Constraints {
     Constraints::nodes(&mask.collect::<Vec<_>>())
 }
 
+fn element_tangent(mesh: &CoarseMesh, limit: usize) -> ElementTangent {
+    let cells = mesh.elements().iter().map(|element| element.cell.0 as u32).collect();
+    let place = ElementCells { lattice: mesh.partition().coarse(), spacing: SPACING, cells };
+    ElementTangent::on_lattice(mesh.elimination_order(), mesh.corners(), place, limit).unwrap()
+}
+
 #[test]
 fn element_tangents_of_split_meshes_equal_those_of_the_element_system() {
     let mesh = split_mesh();
     assert!(!mesh.is_lattice());
-    let mut tangent = ElementTangent::new(mesh.elimination_order(), mesh.corners()).unwrap();
+    for limit in LIMITS {
+        check_against_element_system(&mesh, element_tangent(&mesh, limit));
+    }
+}
+
+fn check_against_element_system(mesh: &CoarseMesh, mut tangent: ElementTangent) {
     let mut system = ElementSystem::new(mesh.elimination_order(), mesh.corners()).unwrap();
     let f = loads(tangent.unknowns());
     for (n, axis) in [(0, 0), (1, 0), (2, 0), (3, 1), (4, 1)] {
         let matrices = matrices(mesh.corners().len(), 1e3, (n, 0.02 * n as f64));
-        let constraints = held_vertices(&mesh, axis);
+        let constraints = held_vertices(mesh, axis);
         tangent.update(|e| &matrices[e], &constraints, true).unwrap();
         system.factor(|e| &matrices[e], &constraints).unwrap();
         let mut exact = f.clone();
@@ -261,6 +272,39 @@ fn element_tangents_of_split_meshes_equal_those_of_the_element_system() {
 }
 
 #[test]
+fn negative_curvature_of_a_mesh_is_reported_as_such() {
+    let mesh = split_mesh();
+    let constraints = held_vertices(&mesh, 0);
+    let good = matrices(mesh.corners().len(), 10.0, (1, 0.1));
+    let bad: Vec<CellMatrix> = good.iter().map(|matrix| shifted(*matrix, -0.05)).collect();
+    for (limit, lagged) in LIMITS.iter().flat_map(|limit| [(*limit, true), (*limit, false)]) {
+        let mut tangent = element_tangent(&mesh, limit);
+        tangent.update(|e| &good[e], &constraints, true).unwrap();
+        tangent.solve(&mut loads(tangent.unknowns()), 1e-6).unwrap();
+        let outcome = tangent.update(|e| &bad[e], &constraints, lagged);
+        let outcome = outcome.and_then(|()| tangent.solve(&mut loads(tangent.unknowns()), 1e-8));
+        assert!(matches!(outcome, Err(SolverError::Indefinite { .. })), "{limit}, lagged {lagged}: {outcome:?}");
+    }
+}
+
+#[test]
+fn cycles_on_large_split_meshes_need_few_iterations() {
+    let partition = Partition::new(Lattice::new([44, 40, 36]), 2).unwrap();
+    let fine = partition.fine();
+    let is_cut = |c: usize| {
+        let [i, _, k] = fine.cell_position(Cell(c));
+        i > 8 && k == 17
+    };
+    let mesh = CoarseMesh::new(&(0..fine.cell_count()).map(is_cut).collect::<Vec<_>>(), &partition);
+    let matrix = Hex8::new([1.0; 3]).stiffness(&random_tensor(5));
+    let mut tangent = element_tangent(&mesh, 0);
+    tangent.update(|_| &matrix, &held_vertices(&mesh, 0), false).unwrap();
+    let report = tangent.solve(&mut loads(tangent.unknowns()), 1e-8).unwrap();
+    // As many as on a lattice without the cut; with copies merged on coarser lattices they would grow with the area of the cut.
+    assert!(report.iterations <= 25, "{report:?}");
+}
+
+#[test]
 fn tangents_have_the_same_bits_for_any_number_of_threads() {
     let mesh = split_mesh();
     let run = || {
@@ -268,9 +312,10 @@ fn tangents_have_the_same_bits_for_any_number_of_threads() {
         let mut keep = |x: &[f64], iterations: usize| {
             bits.extend(x.iter().map(|v| v.to_bits()).chain([iterations as u64]));
         };
-        let mut split = ElementTangent::new(mesh.elimination_order(), mesh.corners()).unwrap();
         let constraints = held_vertices(&mesh, 0);
-        for n in 0..3 {
+        let mut tangents = LIMITS.map(|limit| element_tangent(&mesh, limit));
+        for (n, split) in (0..3).flat_map(|n| [(n, 0), (n, 1)]) {
+            let split = &mut tangents[split];
             let matrices = matrices(mesh.corners().len(), 1e3, (n, 0.1));
             split.update(|e| &matrices[e], &constraints, true).unwrap();
             let mut x = loads(split.unknowns());

@@ -138,14 +138,14 @@ impl<C: Coefficient> BlockMatrix<C> {
         &self.free
     }
 
-    /// 8 × element + corner of the elements at a vertex.
-    pub fn incidences(&self, v: usize) -> &[u32] {
-        &self.incidences[self.incidence_starts[v] as usize..self.incidence_starts[v + 1] as usize]
-    }
-
     /// Corners of the elements.
     pub fn corners(&self) -> &[[u32; 8]] {
         &self.corners
+    }
+
+    /// Marks the unknowns by bits.
+    pub fn set_free(&mut self, free: &[u8]) {
+        self.free.copy_from_slice(free);
     }
 
     /// Where the lower triangle has entries, by columns.
@@ -192,15 +192,6 @@ impl<C: Coefficient> BlockMatrix<C> {
         for (three, free) in vector.chunks_exact_mut(3).zip(&self.free).filter(|(_, free)| **free != 7) {
             (0..3).filter(|r| free >> r & 1 == 0).for_each(|r| three[r] = 0.0);
         }
-    }
-}
-
-impl BlockMatrix {
-    /// The same matrix in single precision.
-    pub fn rounded_into(&self, single: &mut BlockMatrix<f32>) {
-        single.free.clone_from(&self.free);
-        single.blocks.clear();
-        single.blocks.extend(self.blocks.iter().map(|block| block.map(|value| value as f32)));
     }
 }
 

@@ -9,7 +9,6 @@ pub(super) struct Coarsest {
     /// Entries of the layout that have stiffness, in the order of the factor.
     unknowns: Vec<usize>,
     factor: DenseCholesky,
-    values: Vec<f64>,
 }
 
 impl Coarsest {
@@ -42,16 +41,14 @@ impl Coarsest {
         }
         let layout = Layout::rows(lattice);
         let place = |i: usize| layout.index(lattice.node_position(Node(i / 3))) + i % 3 * layout.component;
-        let unknowns = kept.into_iter().map(place).collect();
-        Ok(Self { unknowns, factor: DenseCholesky::new(n, matrix)?, values: vec![0.0; n] })
+        Ok(Self { unknowns: kept.into_iter().map(place).collect(), factor: DenseCholesky::new(n, matrix)? })
     }
 
     /// x = A⁻¹ b.
-    pub fn solve(&mut self, b: &[f64], x: &mut [f64]) {
-        let Self { unknowns, factor, values } = self;
-        values.iter_mut().zip(&*unknowns).for_each(|(value, i)| *value = b[*i]);
-        factor.solve_in_place(values);
+    pub fn solve(&self, b: &[f64], x: &mut [f64]) {
+        let mut values: Vec<f64> = self.unknowns.iter().map(|i| b[*i]).collect();
+        self.factor.solve_in_place(&mut values);
         x.fill(0.0);
-        unknowns.iter().zip(values).for_each(|(i, value)| x[*i] = *value);
+        self.unknowns.iter().zip(values).for_each(|(i, value)| x[*i] = value);
     }
 }

@@ -59,19 +59,6 @@ impl<'a> FineCells<'a> {
     }
 }
 
-/// The matrices of layer k of the cells with zero rows and columns where a component is no unknown.
-pub(super) fn held_layer(cells: &dyn CellStiffness, free: &[u8], k: usize) -> CellMatrices {
-    let lattice = cells.lattice();
-    let per_layer = lattice.cells[0] * lattice.cells[1];
-    let matrix = |cell: usize| {
-        let Some((factor, matrix)) = cells.stiffness(cell) else { return [0.0; 576] };
-        let free = lattice.corners(Cell(cell)).map(|n| free[n.0]);
-        let held = if free == [7; 8] { *matrix } else { held(matrix, &free) };
-        if factor == 1.0 { held } else { held.map(|value| factor * value) }
-    };
-    (k * per_layer..(k + 1) * per_layer).into_par_iter().map(matrix).collect()
-}
-
 /// Adds Pᵀ K P of layer k of the cells to the coarse matrices they lie in.
 pub(super) fn add_layer(coarsening: &Coarsening, k: usize, layer: &[CellMatrix], coarse: &mut [CellMatrix]) {
     let weights: [_; 8] = std::array::from_fn(|octant| coarsening.weights(octant));

@@ -11,6 +11,7 @@ use super::stencil::StencilLevel;
 use crate::assembly::CellStiffness;
 use crate::linalg::LinearOperator;
 use crate::mesh::Lattice;
+use crate::solver::block_matrix::Coefficient;
 
 /// K with zero rows and columns where components are no unknowns, on vectors in the layout of the coarser lattices.
 pub(in crate::solver) struct LatticeMatrix {
@@ -26,14 +27,7 @@ impl LatticeMatrix {
 
     /// Assembles the cells; bit r of an entry of `free` is set if component r of the node is an unknown.
     pub fn fill(&mut self, cells: &dyn CellStiffness, free: &[u8]) {
-        let [nx, ny, nz] = self.lattice.cells;
-        for k in 0..=nz {
-            let cell = |index: usize, bit: usize| {
-                let layer = (k + bit).checked_sub(1).filter(|layer| *layer < nz)?;
-                cells.stiffness(index + nx * ny * layer)
-            };
-            self.level.set_layer_of(k, &cell, Some(free));
-        }
+        fill(&mut self.level, cells, free);
     }
 
     /// A zero vector.
@@ -43,9 +37,8 @@ impl LatticeMatrix {
 
     /// Copies the unknowns of a lattice vector (3 entries per node, x fastest); the other entries become zero.
     pub fn gather(&self, lattice_vector: &[f64], free: &[u8], vector: &mut [f64]) {
-        let layout = self.level.layout();
-        vector.par_chunks_mut(layout.strides[2]).skip(1).take(layout.nodes[2]).enumerate().for_each(|(k, layer)| {
-            for_each_entry(layout, self.lattice, k, |node, r, at| {
+        for_each_layer(self.level.layout(), vector, |k, layer| {
+            for_each_entry(self.level.layout(), self.lattice, k, |node, r, at| {
                 layer[at] = if free[node] >> r & 1 == 1 { lattice_vector[3 * node + r] } else { 0.0 };
             });
         });
@@ -53,13 +46,41 @@ impl LatticeMatrix {
 
     /// Copies back.
     pub fn scatter(&self, vector: &[f64], lattice_vector: &mut [f64]) {
-        let layout = self.level.layout();
-        let plane = 3 * layout.nodes[0] * layout.nodes[1];
-        lattice_vector.par_chunks_mut(plane).enumerate().for_each(|(k, of_layer)| {
-            let layer = &vector[(k + 1) * layout.strides[2]..][..layout.strides[2]];
-            for_each_entry(layout, self.lattice, k, |node, r, at| of_layer[3 * node + r - k * plane] = layer[at]);
-        });
+        scatter((self.level.layout(), self.lattice), vector, lattice_vector);
     }
+}
+
+/// Assembles the cells into a stencil.
+pub(super) fn fill<C: Coefficient>(level: &mut StencilLevel<C>, cells: &dyn CellStiffness, free: &[u8]) {
+    let [nx, ny, nz] = cells.lattice().cells;
+    for k in 0..=nz {
+        let cell = |index: usize, bit: usize| {
+            let layer = (k + bit).checked_sub(1).filter(|layer| *layer < nz)?;
+            cells.stiffness(index + nx * ny * layer)
+        };
+        level.set_layer_of(k, &cell, Some(free));
+    }
+}
+
+/// Copies a vector of a layout into one with 3 entries per node, x fastest.
+pub(super) fn scatter((layout, lattice): (Layout, Lattice), vector: &[f64], lattice_vector: &mut [f64]) {
+    let plane = 3 * layout.nodes[0] * layout.nodes[1];
+    lattice_vector.par_chunks_mut(plane).enumerate().for_each(|(k, of_layer)| {
+        let layer = &vector[(k + 1) * layout.strides[2]..][..layout.strides[2]];
+        for_each_entry(layout, lattice, k, |node, r, at| of_layer[3 * node + r - k * plane] = layer[at]);
+    });
+}
+
+/// Adds a vector with 3 entries per node to one of a layout.
+pub(super) fn add((layout, lattice): (Layout, Lattice), lattice_vector: &[f64], vector: &mut [f64]) {
+    for_each_layer(layout, vector, |k, layer| {
+        for_each_entry(layout, lattice, k, |node, r, at| layer[at] += lattice_vector[3 * node + r]);
+    });
+}
+
+fn for_each_layer(layout: Layout, vector: &mut [f64], visit: impl Fn(usize, &mut [f64]) + Sync) {
+    let layers = vector.par_chunks_mut(layout.strides[2]).skip(1).take(layout.nodes[2]);
+    layers.enumerate().for_each(|(k, layer)| visit(k, layer));
 }
 
 /// Calls `visit` with node, component and place in its layer of each entry of layer k.

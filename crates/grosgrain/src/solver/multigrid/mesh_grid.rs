@@ -249,3 +249,122 @@ impl<T: Copy + Sync> Rows<T> {
         });
     }
 }
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use crate::mesh::Node;
+
+    pub fn noise(seed: usize, count: usize) -> Vec<f64> {
+        (0..count).map(|i| ((seed as f64 + 0.37) * 91.7 * (i + 1) as f64).sin()).collect()
+    }
+
+    /// Vertices at the nodes; those of the plane in the middle of z are doubled, but for the plane x = 0.
+    pub fn slit(cells: [usize; 3]) -> MeshGrid {
+        let lattice = Lattice::new(cells);
+        let (nodes, plane) = (lattice.node_count(), cells[2] / 2);
+        let mut copy = vec![u32::MAX; nodes];
+        let mut vertices = nodes as u32;
+        for n in 0..nodes {
+            let [i, _, k] = lattice.node_position(Node(n));
+            if i > 0 && k == plane {
+                (copy[n], vertices) = (vertices, vertices + 1);
+            }
+        }
+        let corners = |c: usize| {
+            let is_above = lattice.cell_position(Cell(c))[2] >= plane;
+            lattice.corners(Cell(c)).map(|n| if is_above && copy[n.0] != u32::MAX { copy[n.0] } else { n.0 as u32 })
+        };
+        let corners = (0..lattice.cell_count()).map(corners).collect();
+        MeshGrid { lattice, cells: (0..lattice.cell_count() as u32).collect(), corners, vertices: vertices as usize }
+    }
+
+    /// Vertices of a mesh with their places, x fastest along the lattice.
+    fn places(grid: &MeshGrid) -> Vec<[usize; 3]> {
+        let mut places = vec![[usize::MAX; 3]; grid.vertices];
+        for (cell, corners) in grid.cells.iter().zip(&grid.corners) {
+            for (node, vertex) in grid.lattice.corners(Cell(*cell as usize)).iter().zip(corners) {
+                let at = grid.lattice.node_position(*node);
+                let place = &mut places[*vertex as usize];
+                assert!(*place == at || *place == [usize::MAX; 3], "a vertex stands at one node");
+                *place = at;
+            }
+        }
+        places
+    }
+
+    #[test]
+    fn coarse_meshes_keep_a_slit_and_close_where_the_body_hangs_together() {
+        let fine = slit([8, 4, 8]);
+        let coarse = MeshCoarsening::new(&fine, [1.0; 3]).coarse;
+        assert_eq!((coarse.lattice.cells, coarse.cells.len()), ([4, 2, 4], 32));
+        // The plane z = 2 of the coarse nodes is doubled but for x = 0 and x = 1: the cells between these hang together by the fine vertices at x = 0.
+        assert_eq!(coarse.vertices, 5 * 3 * 5 + 3 * 3);
+        let places = places(&coarse);
+        let doubled: Vec<_> = (0..places.len()).filter(|v| places[..*v].contains(&places[*v])).collect();
+        assert!(doubled.iter().all(|v| places[*v][2] == 2 && places[*v][0] > 1), "{doubled:?}");
+        // A slit inside a coarse cell splits the cell: 3 of 6 layers below, so that the cells of the second layer fall in two; at
+        // x = 0 both parts hang together by the vertices there.
+        let inside = MeshCoarsening::new(&slit([8, 4, 6]), [1.0; 3]).coarse;
+        assert_eq!(inside.lattice.cells, [4, 2, 3]);
+        assert_eq!(inside.cells.len(), 4 * 2 * 3 + 3 * 2);
+    }
+
+    #[test]
+    fn separate_bodies_in_the_same_cells_stay_separate() {
+        let single = slit([6, 5, 4]);
+        let mut twice = single.clone();
+        twice.cells.extend(&single.cells);
+        twice.corners.extend(single.corners.iter().map(|c| c.map(|v| v + single.vertices as u32)));
+        twice.vertices *= 2;
+        let coarse = [&single, &twice].map(|grid| MeshCoarsening::new(grid, [1.0; 3]).coarse);
+        assert_eq!(coarse[1].cells.len(), 2 * coarse[0].cells.len());
+        assert_eq!(coarse[1].vertices, 2 * coarse[0].vertices);
+    }
+
+    #[test]
+    fn prolongation_is_exact_for_linear_fields_and_restriction_is_its_transpose() {
+        let fine = slit([7, 4, 6]);
+        let coarsening = MeshCoarsening::new(&fine, [1.0, 1.0, 1.0]);
+        let linear = |at: &[usize; 3], scale: usize| -> [f64; 3] {
+            let x = at.map(|i| (i * scale) as f64);
+            std::array::from_fn(|r| 1.0 + (r + 1) as f64 * x[0] - 2.0 * x[1] + 0.5 * x[(r + 2) % 3])
+        };
+        let coarse: Vec<f64> = places(&coarsening.coarse).iter().flat_map(|at| linear(at, 2)).collect();
+        let mut prolonged = vec![0.0; 3 * fine.vertices];
+        coarsening.prolong(&coarse, &vec![7; fine.vertices], &mut prolonged);
+        let expected: Vec<f64> = places(&fine).iter().flat_map(|at| linear(at, 1)).collect();
+        let error = prolonged.iter().zip(&expected).fold(0.0f64, |m, (a, b)| m.max((a - b).abs()));
+        assert!(error < 1e-12, "{error:e}");
+
+        let (x, y) = (noise(1, coarse.len()), noise(2, prolonged.len()));
+        let (mut px, mut py) = (vec![0.0; y.len()], vec![f64::NAN; x.len()]);
+        coarsening.prolong(&x, &vec![7; fine.vertices], &mut px);
+        coarsening.restrict(&y, &mut py);
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        assert!((dot(&px, &y) - dot(&x, &py)).abs() < 1e-10);
+    }
+
+    #[test]
+    fn the_energy_of_a_coarse_field_is_that_of_its_prolongation() {
+        let fine = slit([5, 4, 6]);
+        let coarsening = MeshCoarsening::new(&fine, [1.0; 3]);
+        let half = noise(3, 576);
+        let symmetric: CellMatrix = std::array::from_fn(|e| half[e] + half[24 * (e % 24) + e / 24]);
+        let energy = |grid: &MeshGrid, matrices: &dyn Fn(usize) -> CellMatrix, u: &[f64]| -> f64 {
+            let of = |element: usize| {
+                let v: Vec<f64> = (0..24).map(|i| u[3 * grid.corners[element][i / 3] as usize + i % 3]).collect();
+                let matrix = matrices(element);
+                (0..576).map(|e| v[e / 24] * matrix[e] * v[e % 24]).sum::<f64>()
+            };
+            (0..grid.cells.len()).map(of).sum()
+        };
+        let scaled = |element: usize| symmetric.map(|value| (1.0 + (element % 5) as f64) * value);
+        let coarse = coarsening.galerkin(&scaled);
+        let u = noise(4, 3 * coarsening.coarse.vertices);
+        let mut prolonged = vec![0.0; 3 * fine.vertices];
+        coarsening.prolong(&u, &vec![7; fine.vertices], &mut prolonged);
+        let (a, b) = (energy(&coarsening.coarse, &|e| coarse[e], &u), energy(&fine, &scaled, &prolonged));
+        assert!((a - b).abs() <= 1e-10 * b.abs().max(1.0), "{a} against {b}");
+    }
+}

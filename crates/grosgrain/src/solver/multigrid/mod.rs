@@ -19,21 +19,22 @@ mod level;
 mod mesh_cycle;
 mod mesh_grid;
 mod stencil;
+mod stencil_cycle;
 mod transfer;
 
 use rayon::prelude::*;
 
 use crate::assembly::{CellStiffness, MatrixFree};
 use crate::linalg::{DenseCholeskyError, Preconditioner};
-use crate::mesh::Lattice;
 
 pub(super) use lattice_matrix::LatticeMatrix;
 pub(super) use mesh_cycle::MeshCycle;
 pub(super) use mesh_grid::MeshGrid;
+pub(super) use stencil_cycle::StencilCycle;
 
 use chebyshev::Chebyshev;
 use coarsest::Coarsest;
-use galerkin::{CellMatrices, FineCells, add_layer, held_layer};
+use galerkin::{CellMatrices, FineCells, add_layer};
 use grid::{Coarsening, Layout};
 use level::{FineLevel, Level};
 use stencil::StencilLevel;
@@ -97,7 +98,7 @@ pub struct Multigrid<'a> {
 
 /// A lattice with its way down to the next and its vectors.
 struct Stage<'a> {
-    level: Box<dyn Level + Send + 'a>,
+    level: Box<dyn Level + 'a>,
     transfer: Transfer,
     smoother: Chebyshev,
     d: Vec<f64>,
@@ -117,34 +118,25 @@ impl<'a> Multigrid<'a> {
         cells: &'a dyn CellStiffness,
         parameters: MultigridParameters,
     ) -> Result<Self, MultigridError> {
-        let MultigridParameters { smoothing_steps, .. } = parameters;
+        let MultigridParameters { smoothing_steps, shift, .. } = parameters;
         if smoothing_steps == 0 {
             return Err(MultigridError::Smoothing);
         }
-        let mut steps = coarsenings(operator.lattice(), &parameters);
+        let mut steps = coarsenings(operator, &parameters);
         let first = steps.remove(0);
         let fine = FineCells::new(cells, operator.free(), first);
         let free = Some(operator.free().to_vec());
-        let levels = vec![Stage::new(Box::new(FineLevel::new(operator)), first, free, smoothing_steps)];
-        Self::below(levels, Layers::Computed(Box::new(fine)), (steps, first.coarse), parameters)
-    }
-
-    /// Adds the lattices that are coarser than the last of `levels`, which halves to `last`.
-    fn below(
-        mut levels: Vec<Stage<'a>>,
-        mut layers: Layers<'_>,
-        (steps, mut last): (Vec<Coarsening>, Lattice),
-        parameters: MultigridParameters,
-    ) -> Result<Self, MultigridError> {
+        let mut levels = vec![Stage::new(Box::new(FineLevel::new(operator)), first, free, smoothing_steps)];
+        let mut layers = Layers::Computed(Box::new(fine));
+        let mut last = first.coarse;
         for step in steps {
             let mut level = StencilLevel::new(step.fine);
             let coarse = layers.descend(&step, &mut level);
-            let free = layers.free();
-            levels.push(Stage::new(Box::new(level), step, free, parameters.smoothing_steps));
+            levels.push(Stage::new(Box::new(level), step, None, smoothing_steps));
             layers = Layers::Stored(coarse, step.coarse.cells[0] * step.coarse.cells[1]);
             last = step.coarse;
         }
-        let coarsest = Coarsest::new(last, |k| layers.layer(k), parameters.shift)
+        let coarsest = Coarsest::new(last, |k| layers.layer(k), shift)
             .map_err(|source| MultigridError::Coarsest { cells: last.cells, source })?;
         Ok(Self { levels, coarsest, parameters })
     }
@@ -160,57 +152,30 @@ impl<'a> Multigrid<'a> {
     }
 }
 
-impl Multigrid<'static> {
-    /// A hierarchy that owns its finest lattice too, in single precision, and so outlives the matrices of the cells. Rows and columns
-    /// are zero where bit r of a node's entry in `free` is not set. Vectors are those of [`LatticeMatrix`].
-    pub(super) fn stored(
-        cells: &dyn CellStiffness,
-        free: &[u8],
-        parameters: MultigridParameters,
-    ) -> Result<Self, MultigridError> {
-        if parameters.smoothing_steps == 0 {
-            return Err(MultigridError::Smoothing);
-        }
-        let steps = coarsenings(cells.lattice(), &parameters);
-        Self::below(Vec::new(), Layers::Given(cells, free), (steps, cells.lattice()), parameters)
-    }
-}
-
-impl std::fmt::Debug for Multigrid<'_> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Multigrid").field("levels", &self.level_count()).field("parameters", &self.parameters).finish()
-    }
-}
-
 impl Preconditioner for Multigrid<'_> {
     fn apply(&mut self, r: &[f64], z: &mut [f64]) {
-        descend(&mut self.levels, (&mut self.coarsest, &self.parameters), r, z, false);
+        descend(&mut self.levels, (&self.coarsest, &self.parameters), r, z, false);
     }
 }
 
 /// One cycle on A x = b; x is overwritten, or improved if it is a `revisit`.
-fn descend(
-    levels: &mut [Stage],
-    (coarsest, parameters): (&mut Coarsest, &MultigridParameters),
-    b: &[f64],
-    x: &mut [f64],
-    revisit: bool,
-) {
+fn descend(levels: &mut [Stage], settings: (&Coarsest, &MultigridParameters), b: &[f64], x: &mut [f64], revisit: bool) {
+    let (coarsest, parameters) = settings;
     let Some((stage, rest)) = levels.split_first_mut() else {
         return coarsest.solve(b, x);
     };
     stage.smooth(b, x, !revisit);
     stage.restrict_residual(b, x);
-    descend(rest, (coarsest, parameters), &stage.coarse_b, &mut stage.coarse_x, false);
+    descend(rest, settings, &stage.coarse_b, &mut stage.coarse_x, false);
     if parameters.cycle == Cycle::W && !rest.is_empty() {
-        descend(rest, (coarsest, parameters), &stage.coarse_b, &mut stage.coarse_x, true);
+        descend(rest, settings, &stage.coarse_b, &mut stage.coarse_x, true);
     }
     stage.transfer.prolong(&stage.coarse_x, x);
     stage.smooth(b, x, false);
 }
 
 impl<'a> Stage<'a> {
-    fn new(level: Box<dyn Level + Send + 'a>, coarsening: Coarsening, free: Option<Vec<u8>>, steps: usize) -> Self {
+    fn new(level: Box<dyn Level + 'a>, coarsening: Coarsening, free: Option<Vec<u8>>, steps: usize) -> Self {
         let (fine, coarse) = (level.layout(), Layout::rows(coarsening.coarse));
         let zeros = |layout: Layout| vec![0.0; layout.length()];
         let (mut x, mut d, mut ax) = (zeros(fine), zeros(fine), zeros(fine));
@@ -233,8 +198,8 @@ impl<'a> Stage<'a> {
 }
 
 /// Halvings until few unknowns or one cell are left; at least one.
-fn coarsenings(mut lattice: Lattice, parameters: &MultigridParameters) -> Vec<Coarsening> {
-    let (mut steps, mut spacing) = (Vec::new(), parameters.spacing);
+fn coarsenings(operator: &MatrixFree, parameters: &MultigridParameters) -> Vec<Coarsening> {
+    let (mut steps, mut lattice, mut spacing) = (Vec::new(), operator.lattice(), parameters.spacing);
     while steps.is_empty() || 3 * lattice.node_count() > parameters.coarsest_unknowns && lattice.cell_count() > 1 {
         let (step, edges) = Coarsening::new(lattice, spacing);
         (lattice, spacing) = (step.coarse, edges);
@@ -247,8 +212,6 @@ fn coarsenings(mut lattice: Lattice, parameters: &MultigridParameters) -> Vec<Co
 enum Layers<'a> {
     /// Computed from the finest cells when asked for.
     Computed(Box<FineCells<'a>>),
-    /// Those of the finest lattice, and which components of its nodes are unknowns.
-    Given(&'a dyn CellStiffness, &'a [u8]),
     /// All of them, and the number per layer.
     Stored(CellMatrices, usize),
 }
@@ -257,16 +220,7 @@ impl Layers<'_> {
     fn layer(&self, k: usize) -> CellMatrices {
         match self {
             Self::Computed(cells) => cells.coarse_layer(k),
-            Self::Given(cells, free) => held_layer(*cells, free, k),
             Self::Stored(all, count) => all[k * count..(k + 1) * count].to_vec(),
-        }
-    }
-
-    /// The unknowns where not all components are.
-    fn free(&self) -> Option<Vec<u8>> {
-        match self {
-            Self::Given(_, free) => Some(free.to_vec()),
-            _ => None,
         }
     }
 

@@ -36,10 +36,6 @@ impl LaggedFactor {
         Ok(Self { symbolic, cholesky: None, values: Vec::new(), price, spent: 0.0, solves: 0 })
     }
 
-    pub fn symbolic(&self) -> &SymbolicCholesky {
-        &self.symbolic
-    }
-
     /// Whether there is a factor, of whichever matrix.
     pub fn exists(&self) -> bool {
         self.cholesky.is_some() && self.spent > 0.0

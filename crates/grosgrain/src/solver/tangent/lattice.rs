@@ -2,22 +2,20 @@
 
 use super::super::SolverError;
 use super::lattice_cycle::LatticeCycle;
-use super::{ElementTangent, LinearReport};
+use super::{ElementTangent, FACTOR_LIMIT, LinearReport};
 use crate::assembly::{CellStiffness, Constraints};
 use crate::linalg::nested_dissection;
 use crate::mesh::{Cell, Lattice};
 
-/// Up to this many unknowns a factor is used.
-const DIRECT_LIMIT: usize = 25_000;
-
 /// The tangent stiffness of a lattice of cells whose matrices change from one Newton iteration to the next.
 ///
-/// Up to 25,000 unknowns (three per node that touches a solid cell) it is an [`ElementTangent`]: Cholesky with the symbolic analysis kept. Beyond, conjugate
-/// gradients on the current matrix, kept as 27 blocks of 3×3 per node in double precision, with a multigrid cycle whose levels
-/// are kept in single precision. The cycle may be that of an earlier matrix; it is renewed when a solve needs more than
-/// 1.5 n + 5 iterations, n being those of the first solve with the cycle per decimal digit asked for.
+/// Up to [`FACTOR_LIMIT`] unknowns (three per node that touches a solid cell) it is an [`ElementTangent`] with a factor. Beyond,
+/// conjugate gradients on the current matrix, kept as 27 blocks of 3×3 per node in double precision, with a multigrid cycle in
+/// single precision whose coarser meshes are split where the body is. The cycle may be that of an earlier matrix; the next update
+/// renews it after a solve that needs more than 1.5 n + 5 iterations, n being those of the first solve with it, per decimal digit.
 ///
-/// Memory beyond 25,000 unknowns: 3.1 kB per lattice node (1.9 kB for the matrix, 1.2 kB for the cycle) and 200 B for vectors.
+/// Memory beyond [`FACTOR_LIMIT`]: about 3.4 kB per lattice node (1.9 kB for the matrix, 1 kB for the finest level of the cycle, the rest for
+/// coarser meshes), 200 B for vectors, and while a cycle is renewed 0.6 kB for the tangents of coarse elements.
 #[derive(Debug)]
 pub struct LatticeTangent {
     lattice: Lattice,
@@ -50,10 +48,10 @@ impl LatticeTangent {
     /// # Errors
     /// When the factor does not fit into indices.
     pub fn new(cells: &dyn CellStiffness, spacing: [f64; 3]) -> Result<Self, SolverError> {
-        Self::with_direct_limit(cells, spacing, DIRECT_LIMIT)
+        Self::with_direct_limit(cells, spacing, FACTOR_LIMIT)
     }
 
-    /// The same with a factor up to `limit` unknowns instead of 25,000.
+    /// The same with a factor up to `limit` unknowns instead of [`FACTOR_LIMIT`].
     ///
     /// # Errors
     /// When the factor does not fit into indices.
@@ -66,7 +64,7 @@ impl LatticeTangent {
         let unknowns = 3 * is_active.iter().filter(|a| **a).count();
         let method = match unknowns <= limit {
             true => Method::Factor(Box::new(Factored::new(lattice, solid, &is_active)?)),
-            false => Method::Cycle(Box::new(LatticeCycle::new(lattice, spacing, unknowns))),
+            false => Method::Cycle(Box::new(LatticeCycle::new(lattice, solid, spacing, unknowns)?)),
         };
         Ok(Self { lattice, spacing, direct_limit: limit, void, method })
     }

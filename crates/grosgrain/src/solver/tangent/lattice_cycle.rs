@@ -1,7 +1,7 @@
 //! Conjugate gradients with a multigrid cycle on the assembled matrix of a lattice.
 
-use super::super::multigrid::LatticeMatrix;
-use super::super::{Multigrid, MultigridError, MultigridParameters, SolverError};
+use super::super::SolverError;
+use super::super::multigrid::{LatticeMatrix, StencilCycle};
 use super::wear::Wear;
 use super::{LinearReport, indefinite};
 use crate::assembly::{CellStiffness, Constraints, free_components};
@@ -15,11 +15,10 @@ const MAX_ITERATIONS: usize = 1000;
 /// Matrix, cycle and vectors.
 #[derive(Debug)]
 pub(super) struct LatticeCycle {
-    parameters: MultigridParameters,
     unknowns: usize,
     free: Vec<u8>,
     matrix: LatticeMatrix,
-    cycle: Option<Multigrid<'static>>,
+    cycle: StencilCycle,
     wear: Wear,
     loads: Vec<f64>,
     solution: Vec<f64>,
@@ -27,19 +26,19 @@ pub(super) struct LatticeCycle {
 }
 
 impl LatticeCycle {
-    pub fn new(lattice: Lattice, spacing: [f64; 3], unknowns: usize) -> Self {
+    /// For the cells `solid` of a lattice.
+    pub fn new(lattice: Lattice, solid: Vec<u32>, spacing: [f64; 3], unknowns: usize) -> Result<Self, SolverError> {
         let matrix = LatticeMatrix::new(lattice);
-        Self {
-            parameters: MultigridParameters { spacing, ..MultigridParameters::default() },
+        Ok(Self {
             unknowns,
-            free: Vec::new(),
-            cycle: None,
+            free: vec![0; lattice.node_count()],
+            cycle: StencilCycle::new(lattice, solid, spacing)?,
             wear: Wear::complete(),
             loads: matrix.zeros(),
             solution: matrix.zeros(),
             workspace: ConjugateGradientWorkspace::default(),
             matrix,
-        }
+        })
     }
 
     pub fn update(
@@ -53,22 +52,11 @@ impl LatticeCycle {
         self.free = free;
         self.matrix.fill(cells, &self.free);
         if changed || !lagged || self.wear.is_worn() {
-            // The old one goes first, so that there is never memory for two.
-            (self.cycle, self.wear) = (None, Wear::complete());
-            self.cycle = Some(Multigrid::stored(cells, &self.free, self.parameters).map_err(|e| self.refused(e))?);
+            self.wear = Wear::complete();
+            self.cycle.update(cells, &self.free)?;
             self.wear = Wear::none();
         }
         Ok(())
-    }
-
-    /// A coarsest matrix without a factor shows that the finest is not positive definite.
-    fn refused(&self, error: MultigridError) -> SolverError {
-        match &error {
-            MultigridError::Coarsest { source, .. } => {
-                SolverError::Indefinite { unknowns: self.unknowns, evidence: format!("coarsest lattice: {source}") }
-            }
-            _ => error.into(),
-        }
     }
 
     pub fn solve(&mut self, vector: &mut [f64], tolerance: f64) -> Result<LinearReport, SolverError> {
@@ -83,10 +71,6 @@ impl LatticeCycle {
 
     fn iterate(&mut self, tolerance: f64) -> Result<ConjugateGradientInfo, SolverError> {
         let Self { matrix, cycle, loads, solution, workspace, .. } = self;
-        let Some(cycle) = cycle else {
-            let evidence = "its preconditioner could not be made".to_owned();
-            return Err(SolverError::Indefinite { unknowns: self.unknowns, evidence });
-        };
         let parameters = ConjugateGradientParameters { tolerance, max_iterations: MAX_ITERATIONS };
         let mut solver = ConjugateGradients::new(&*matrix, parameters).with_workspace(std::mem::take(workspace));
         let outcome = solver.solve(loads, solution, cycle, &|_, _| true);

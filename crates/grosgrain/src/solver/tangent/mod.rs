@@ -12,6 +12,11 @@ pub use lattice::LatticeTangent;
 use super::SolverError;
 use crate::linalg::ConjugateGradientError;
 
+/// Number of unknowns up to which a Cholesky factor serves Newton systems as well as a multigrid cycle or better, counted by operations
+/// and measured with `examples/tangent_solvers.rs`: at 37,000 unknowns a new matrix costs five times as much with a factor, and
+/// factors grow with the square of that number.
+pub const FACTOR_LIMIT: usize = 8_000;
+
 /// How a Newton system was solved.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinearReport {
