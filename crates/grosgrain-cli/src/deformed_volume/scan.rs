@@ -39,6 +39,8 @@ pub struct DeformedScan {
     pub void_value: f32,
     /// Voxel index (i, j, k, 1) to world coordinates \[mm\], RAS.
     pub voxel_to_world: Option<[[f64; 4]; 4]>,
+    /// Whether the scan's own values are whole numbers.
+    pub integral: bool,
 }
 
 impl ScannedBody {
@@ -81,6 +83,7 @@ impl ScannedBody {
             spacing: self.spacing,
             origin: std::array::from_fn(origin),
             void_value: self.void_value,
+            integral: self.scan.integral,
             voxel_to_world: self
                 .scan
                 .voxel_to_world
@@ -152,13 +155,14 @@ impl ScannedBody {
 impl DeformedScan {
     /// The scan as a volume that can be written.
     pub fn volume(&self) -> Volume {
-        // Scans are whole numbers, which files hold in a quarter of the room.
-        let values = self.samples.iter().map(|v| f64::from(v.round())).collect();
+        // Whole numbers take a quarter of the room in files.
+        let value = |v: &f32| f64::from(if self.integral { v.round() } else { *v });
+        let values = self.samples.iter().map(value).collect();
         Volume {
             cells: self.size,
             spacing: Some(self.spacing),
             voxel_to_world: self.voxel_to_world,
-            integral: true,
+            integral: self.integral,
             values,
         }
     }

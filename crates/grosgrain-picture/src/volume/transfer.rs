@@ -117,7 +117,7 @@ const STEPS: usize = 4096;
 /// A transfer function as a table of antiderivatives, so that the mean along a segment costs two look-ups.
 ///
 /// With values linear along the segment from v₀ to v₁ the mean extinction is (A(v₁) − A(v₀))/(v₁ − v₀), A' = κ, and
-/// the same for κ times colour: pre-integration without self-attenuation within the segment (engel2001preintegrated).
+/// the same for κ times colour: pre-integration without self-attenuation within the segment (`engel2001preintegrated`).
 pub(crate) struct TransferTable {
     low: f64,
     per_value: f64,
