@@ -8,7 +8,7 @@ use crate::{
 /// A corner of a transfer function.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TransferNode {
-    /// The value, such as a CT number [HU].
+    /// The value, such as a CT number \[HU\].
     pub value: f64,
     /// Colour of what has this value.
     pub colour: Rgb,
