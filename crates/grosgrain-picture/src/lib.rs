@@ -1,5 +1,8 @@
 //! Software-rendered pictures of deformed voxel bodies, and charts of curves, as PNG.
 //!
+//! Volumes, such as CT, are drawn by ray casting ([`VolumeScene`]); a [`Strip`] shows bodies and a [`Sheet`] ready pictures in
+//! rows and columns; an [`Animation`] is an animated PNG.
+//!
 //! No display, window system or graphics driver is needed, and the input is plain data: positions, quads and
 //! numbers. A [`Figure`] shows panels side by side, all seen by the same camera at the same scale; a [`Chart`] shows
 //! curves. Both give an [`Image`], which writes itself as PNG. The same input gives the same bytes.

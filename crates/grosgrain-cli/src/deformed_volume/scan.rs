@@ -18,7 +18,9 @@ pub struct ScannedBody {
     spacing: [f64; 3],
     /// What is shown where there is no body.
     void_value: f32,
-    /// Cells around the body that belong to it in the scan.
+    /// The cells of the uncut body.
+    solid: Vec<bool>,
+    /// Void cells around them, in which the scan may hold some of the body.
     skin: Vec<bool>,
 }
 
@@ -37,6 +39,8 @@ pub struct DeformedScan {
     pub void_value: f32,
     /// Voxel index (i, j, k, 1) to world coordinates \[mm\], RAS.
     pub voxel_to_world: Option<[[f64; 4]; 4]>,
+    /// Whether the scan's own values are whole numbers.
+    pub integral: bool,
 }
 
 impl ScannedBody {
@@ -55,7 +59,8 @@ impl ScannedBody {
         for cell in (0..grid.void.len()).map(Cell).filter(|c| !grid.void[c.0]) {
             Neighbourhood::Nodes.for_each(&grid.lattice, cell, |near| skin[near.0] |= grid.void[near.0]);
         }
-        Some(Self { scan: scan.clone(), spacing, void_value: lowest as f32, skin })
+        let solid = grid.void.iter().map(|void| !void).collect();
+        Some(Self { scan: scan.clone(), spacing, void_value: lowest as f32, solid, skin })
     }
 
     /// The scan of the body as it is now, displaced (3 entries per lattice node \[m\]).
@@ -66,12 +71,7 @@ impl ScannedBody {
     /// A deformation too large for voxels.
     pub fn deformed(&self, model: &FineModel, displacement: &[f64]) -> Result<DeformedScan, Failure> {
         let grid = model.grid();
-        // Skin stays only where its body does.
-        let mut near = vec![false; grid.void.len()];
-        for cell in (0..grid.void.len()).map(Cell).filter(|c| !grid.void[c.0]) {
-            Neighbourhood::Nodes.for_each(&grid.lattice, cell, |other| near[other.0] = true);
-        }
-        let included: Vec<bool> = (0..grid.void.len()).map(|c| !grid.void[c] || self.skin[c] && near[c]).collect();
+        let included = self.included(grid);
         let displacement = self.extended(model, &included, displacement);
         let target = WarpTarget { spacing: self.spacing, included: &included };
         let sample = |point: MaterialPoint| Some(self.sample(point.position));
@@ -83,11 +83,25 @@ impl ScannedBody {
             spacing: self.spacing,
             origin: std::array::from_fn(origin),
             void_value: self.void_value,
+            integral: self.scan.integral,
             voxel_to_world: self
                 .scan
                 .voxel_to_world
                 .map(|old| moved_world_by(old, [1.0; 3], warped.offset, self.spacing)),
         })
+    }
+
+    /// The cells of the body, and the skin of those that are left.
+    fn included(&self, grid: &VoxelGrid) -> Vec<bool> {
+        let mut near = vec![false; grid.void.len()];
+        for cell in (0..grid.void.len()).map(Cell).filter(|c| !grid.void[c.0]) {
+            Neighbourhood::Nodes.for_each(&grid.lattice, cell, |other| near[other.0] = true);
+        }
+        for cell in (0..grid.void.len()).map(Cell).filter(|c| grid.void[c.0] && self.solid[c.0]) {
+            // What lies on a cell that was cut away goes with it.
+            Neighbourhood::Faces.for_each(&grid.lattice, cell, |other| near[other.0] = false);
+        }
+        (0..grid.void.len()).map(|c| !grid.void[c] || self.skin[c] && near[c]).collect()
     }
 
     /// The displacement, and at the nodes of the skin that nothing moves the mean of those around them that move.
@@ -141,13 +155,14 @@ impl ScannedBody {
 impl DeformedScan {
     /// The scan as a volume that can be written.
     pub fn volume(&self) -> Volume {
-        // Scans are whole numbers, which files hold in a quarter of the room.
-        let values = self.samples.iter().map(|v| f64::from(v.round())).collect();
+        // Whole numbers take a quarter of the room in files.
+        let value = |v: &f32| f64::from(if self.integral { v.round() } else { *v });
+        let values = self.samples.iter().map(value).collect();
         Volume {
             cells: self.size,
             spacing: Some(self.spacing),
             voxel_to_world: self.voxel_to_world,
-            integral: true,
+            integral: self.integral,
             values,
         }
     }

@@ -8,6 +8,7 @@ use grosgrain::io::write_atomically;
 use grosgrain::mesh::{Label, Node};
 use grosgrain_picture::{
     Animation, Camera, Category, Colouring, Image, Lines, Panel, PictureError, QuadSurface, Rgb, Strip, View,
+    category_colour,
 };
 use rayon::prelude::*;
 
@@ -228,11 +229,16 @@ impl Film {
         let Shape { skin, positions } = &frame.frame;
         let positions = positions.iter().map(|p| p.map(f64::from)).collect();
         let category = |label: &Label| labels.binary_search(label).unwrap_or_default() as u32;
-        let legend = labels.iter().map(|label| self.category(*label)).collect();
+        let legend: Vec<Category> = labels.iter().map(|label| self.category(*label)).collect();
+        let colouring = match &legend[..] {
+            // A legend of one name tells nothing.
+            [only] => Colouring::Plain(only.colour.unwrap_or_else(|| category_colour(0))),
+            _ => Colouring::Category { of_quad: skin.labels.iter().map(category).collect(), legend },
+        };
         Panel {
             caption: note(Some(frame), self.reel.has_notes()),
             surface: QuadSurface { positions, quads: skin.quads.clone() },
-            colouring: Colouring::Category { of_quad: skin.labels.iter().map(category).collect(), legend },
+            colouring,
             ghost: ground.clone(),
             ..Panel::default()
         }
@@ -258,8 +264,8 @@ impl Film {
         if !(side > 0.0 && side.is_finite()) {
             return Lines::new();
         }
-        let first = low.map(|x| (x / side).floor() - 1.0);
-        let last = high.map(|x| (x / side).ceil() + 1.0);
+        let first = low.map(|x| (x / side).floor());
+        let last = high.map(|x| (x / side).ceil());
         let mut lines = Lines::new();
         for a in 0..2 {
             let other = 1 - a;

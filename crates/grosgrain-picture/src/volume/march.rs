@@ -27,6 +27,8 @@ pub(crate) struct March<'a> {
     pub(crate) kept: Vec<(Vec3, Vec3, bool)>,
     /// Length of a step \[m\].
     pub(crate) step: f64,
+    /// Difference of values at its ends from which on a step is halved.
+    pub(crate) coarse: f32,
     /// Thickness \[m\] that a cut face shows.
     pub(crate) face: f64,
 }
@@ -62,9 +64,10 @@ impl<'a> March<'a> {
         let nodes = &scene.transfer.nodes;
         let contrast = nodes.last().map_or(0.0, |n| n.value) - nodes.first().map_or(0.0, |n| n.value);
         let edge = 0.03 * contrast.max(1e-12) / smallest;
+        let coarse = (0.04 * contrast) as f32;
         let gradients = Gradients::new(&field, spacing, edge);
         let step = scene.step * smallest;
-        Self { field, gradients, table, blocks, camera, spacing, origin, kept, step, face: scene.face }
+        Self { field, gradients, table, blocks, camera, spacing, origin, kept, step, coarse, face: scene.face }
     }
 
     /// Follows the ray through a point of the picture plane; its steps begin `phase` of a step after the entry.
@@ -93,18 +96,32 @@ impl<'a> March<'a> {
                     continue;
                 }
             }
+            let ends = [place(k), place(k + 1)];
             let first = before.unwrap_or_else(|| self.field.value(here));
-            let next = self.field.value(at(place(k + 1)));
-            self.segment(
-                (first, next),
-                at(0.5 * (place(k) + place(k + 1))),
-                place(k + 1) - place(k),
-                direction,
-                &mut gathered,
-            );
+            let next = self.field.value(at(ends[1]));
+            self.refine(&at, ends, [first, next], direction, &mut gathered);
             (k, before) = (k + 1, Some(next));
         }
         gathered
+    }
+
+    /// Adds a step of a ray, in halves and quarters where its values at the ends differ much.
+    fn refine(
+        &self,
+        at: &impl Fn(f64) -> Vec3,
+        [t, u]: [f64; 2],
+        [a, b]: [f32; 2],
+        direction: Vec3,
+        gathered: &mut Gathered,
+    ) {
+        let middle = 0.5 * (t + u);
+        if (b - a).abs() > self.coarse && (u - t) > 0.2 * self.step {
+            let m = self.field.value(at(middle));
+            self.refine(at, [t, middle], [a, m], direction, gathered);
+            self.refine(at, [middle, u], [m, b], direction, gathered);
+        } else {
+            self.segment((a, b), at(middle), u - t, direction, gathered);
+        }
     }
 
     /// Adds a segment of a ray whose values are `a` and `b` at its ends and whose middle is at `p`.

@@ -18,10 +18,10 @@ use transfer::TransferTable;
 
 /// A scalar volume, how it is coloured, and from where it is seen.
 ///
-/// Light absorbed and emitted along each ray is C = ∫ κ c exp(−∫ κ) (max1995optical), taken front to back in steps. A step
+/// Light absorbed and emitted along each ray is C = ∫ κ c exp(−∫ κ) (`max1995optical`), taken front to back in steps. A step
 /// with the mean extinction κ and the length h has the opacity 1 − exp(−κ h), so the picture does not depend on h but
 /// for its error. Surfaces, where the value changes fast, are lit by a lamp beside the eye and a soft sky
-/// (levoy1988display).
+/// (`levoy1988display`).
 ///
 /// ```
 /// use grosgrain_picture::{TransferFunction, VolumeScene};

@@ -8,7 +8,7 @@ use crate::{
 /// A corner of a transfer function.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TransferNode {
-    /// The value, such as a CT number [HU].
+    /// The value, such as a CT number \[HU\].
     pub value: f64,
     /// Colour of what has this value.
     pub colour: Rgb,
@@ -117,7 +117,7 @@ const STEPS: usize = 4096;
 /// A transfer function as a table of antiderivatives, so that the mean along a segment costs two look-ups.
 ///
 /// With values linear along the segment from v₀ to v₁ the mean extinction is (A(v₁) − A(v₀))/(v₁ − v₀), A' = κ, and
-/// the same for κ times colour: pre-integration without self-attenuation within the segment (engel2001preintegrated).
+/// the same for κ times colour: pre-integration without self-attenuation within the segment (`engel2001preintegrated`).
 pub(crate) struct TransferTable {
     low: f64,
     per_value: f64,
