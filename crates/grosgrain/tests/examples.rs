@@ -8,6 +8,16 @@ mod coarsen_beam;
 #[allow(dead_code, reason = "the example's own main is not called here")]
 mod edit_in_a_loop;
 
+#[path = "../examples/moving_beam.rs"]
+#[allow(dead_code, reason = "the example's own main is not called here")]
+mod moving_beam;
+
+#[test]
+fn a_beam_that_is_cut_while_it_swings_hangs_lower_afterwards() {
+    let sags = moving_beam::run().unwrap();
+    assert!(sags[5] > 1.5 * sags[2] && sags[2] > 0.0, "{sags:?}");
+}
+
 #[test]
 fn a_beam_that_is_cut_in_a_loop_sinks_at_every_frame() {
     let tip = edit_in_a_loop::run(false).unwrap();
