@@ -31,7 +31,15 @@ pub fn write(problem: &Problem, displacement: &[f64], folder: &Path) -> Result<V
 /// # Errors
 /// A file that cannot be written.
 pub fn write_scan(scan: &DeformedScan, folder: &Path) -> Result<Vec<PathBuf>, Failure> {
-    write_both(&scan.volume(), folder, "deformed-scan")
+    write_scan_as(scan, folder, "deformed-scan")
+}
+
+/// Writes a deformed scan into `NAME.nii.gz` and `NAME.nrrd`.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write_scan_as(scan: &DeformedScan, folder: &Path, name: &str) -> Result<Vec<PathBuf>, Failure> {
+    write_both(&scan.volume(), folder, name)
 }
 
 fn write_both(volume: &Volume, folder: &Path, name: &str) -> Result<Vec<PathBuf>, Failure> {

@@ -55,6 +55,11 @@ impl EditSchedule {
         self.steps
     }
 
+    /// Ends the run after `steps` steps at the latest; edits that would come later are not made.
+    pub fn end_after(&mut self, steps: usize) {
+        self.steps = self.steps.min(steps);
+    }
+
     /// The time of a step \[s\]; a step takes a second where the scene does not say.
     pub fn time(&self, step: usize) -> f64 {
         step as f64 * self.step.unwrap_or(1.0)

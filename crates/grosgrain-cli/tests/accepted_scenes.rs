@@ -199,6 +199,7 @@ fn every_pattern_fills_its_grid() {
         ("{ kind = \"random\", seed = 3, labels = [0, 1], fractions = [1.0, 0.0] }", vec![(0, 16)]),
         ("{ kind = \"spheres\", radius = 0.6, centres = [[0.5, 0.5, 0.5]], labels = [0, 1] }", vec![(0, 15), (1, 1)]),
         ("{ kind = \"spheres\", radius = 0.5, period = 2, labels = [0, 1] }", vec![(0, 16)]),
+        ("{ kind = \"grid\", period = [2, 2, 2], width = 1, labels = [0, 1] }", vec![(0, 8), (1, 8)]),
         ("{ kind = \"from-file\", file = \"labels.npy\" }", vec![(0, 4), (1, 8), (2, 4)]),
     ] {
         let materials: String = (0..3)

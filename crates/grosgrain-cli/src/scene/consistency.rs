@@ -44,7 +44,7 @@ fn pattern_labels(pattern: &Pattern) -> &[Label] {
         Pattern::Layers { labels, .. } | Pattern::Checkerboard { labels, .. } | Pattern::Random { labels, .. } => {
             labels
         }
-        Pattern::Spheres { labels, .. } => labels,
+        Pattern::Spheres { labels, .. } | Pattern::Grid { labels, .. } => labels,
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use grosgrain::mesh::{Label, Pattern, SphereCentres};
+use grosgrain::mesh::{Bars, Label, Pattern, SphereCentres};
 
 use crate::quantities::{count, triple_count};
 
@@ -61,11 +61,25 @@ enum Kind {
     Checkerboard,
     Random,
     Spheres,
+    Grid,
     FromFile,
 }
 
-const KEYS: &[&str] =
-    &["kind", "direction", "period", "labels", "size", "seed", "fractions", "count", "centres", "radius", "file"];
+const KEYS: &[&str] = &[
+    "kind",
+    "direction",
+    "period",
+    "labels",
+    "size",
+    "seed",
+    "fractions",
+    "count",
+    "centres",
+    "radius",
+    "width",
+    "box",
+    "file",
+];
 
 /// Reads `pattern`.
 pub fn read_pattern(item: &Item) -> Reading<Filling> {
@@ -75,9 +89,10 @@ pub fn read_pattern(item: &Item) -> Reading<Filling> {
         ("checkerboard", Kind::Checkerboard),
         ("random", Kind::Random),
         ("spheres", Kind::Spheres),
+        ("grid", Kind::Grid),
         ("from-file", Kind::FromFile),
     ];
-    let expected = "\"layers\", \"checkerboard\", \"random\", \"spheres\" or \"from-file\"";
+    let expected = "\"layers\", \"checkerboard\", \"random\", \"spheres\", \"grid\" or \"from-file\"";
     let kind = section.required("kind", expected, |kind| kind.choice(&kinds))?;
     refuse_foreign_keys(&section, kind)?;
     match kind {
@@ -85,6 +100,7 @@ pub fn read_pattern(item: &Item) -> Reading<Filling> {
         Kind::Checkerboard => read_checkerboard(&section),
         Kind::Random => read_random(&section),
         Kind::Spheres => read_spheres(&section),
+        Kind::Grid => read_bars(&section),
         Kind::FromFile => {
             return section.required("file", "a volume file of integers", Item::existing_path).map(Filling::File);
         }
@@ -99,6 +115,7 @@ fn refuse_foreign_keys(section: &Section, kind: Kind) -> Reading<()> {
         Kind::Checkerboard => ("checkerboard", &["size", "labels"]),
         Kind::Random => ("random", &["size", "seed", "labels", "fractions"]),
         Kind::Spheres => ("spheres", &["radius", "labels", "centres", "period", "count", "seed"]),
+        Kind::Grid => ("grid", &["period", "width", "box", "labels"]),
         Kind::FromFile => ("from-file", &["file"]),
     };
     let is_foreign = |key: &&&str| **key != "kind" && !keys.contains(key);
@@ -146,6 +163,21 @@ fn read_spheres(section: &Section) -> Reading<Pattern> {
     let labels = section.required("labels", expected, |labels| labels.array(expected, read_label));
     let centres = read_centres(section);
     Ok(Pattern::Spheres { radius: radius?, labels: labels?, centres: centres? })
+}
+
+fn read_bars(section: &Section) -> Reading<Pattern> {
+    let expected = "three integers of at least 1, the distances of the bars along x, y, z in fine cells";
+    let period = section.required("period", expected, |period| period.array(expected, Item::count));
+    let width = section.required("width", "the thickness of the bars in fine cells", Item::count);
+    let extent = section.optional("box", |corners| {
+        let expected = "two corners [i, j, k] in fine cells: the first cell, and the one after the last";
+        let index = |item: &Item| item.integer_where("a number of fine cells", |v| v >= 0).map(|v| v as usize);
+        corners.array(expected, |corner| corner.array(expected, index))
+    });
+    let expected = "two labels, the matrix's and the bars'";
+    let labels = section.required("labels", expected, |labels| labels.array(expected, read_label));
+    let bars = Bars { period: period?, width: width?, extent: extent? };
+    Ok(Pattern::Grid { bars, labels: labels? })
 }
 
 fn read_centres(section: &Section) -> Reading<SphereCentres> {

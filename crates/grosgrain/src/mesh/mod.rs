@@ -1,5 +1,6 @@
 //! Voxel lattices and the bodies on them: what turns a volume or a pattern into a body, and what picks its parts.
 
+mod bars;
 mod brush;
 mod components;
 mod cut;
@@ -21,6 +22,7 @@ mod volume;
 mod voxel_grid;
 mod warp;
 
+pub use bars::Bars;
 pub use brush::Brush;
 pub use components::{Components, Removed, keep_largest, remove_floating};
 pub use cut::{Blade, Cut};

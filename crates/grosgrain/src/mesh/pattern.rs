@@ -4,7 +4,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::spheres::{self, SphereCentres};
 use super::uniform::{random_stream, uniform};
-use super::{Cell, Label, Lattice, VoxelGrid};
+use super::{Bars, Cell, Label, Lattice, VoxelGrid};
 
 /// A pattern of labels on a grid. Lengths are in fine cells and positions in cell indices, so a pattern stretches
 /// with cells that are not cubes.
@@ -50,6 +50,13 @@ pub enum Pattern {
         /// Label of the matrix, label of the spheres.
         labels: [Label; 2],
     },
+    /// A grid of bars in a matrix.
+    Grid {
+        /// Where the bars are.
+        bars: Bars,
+        /// Label of the matrix, label of the bars.
+        labels: [Label; 2],
+    },
 }
 
 /// Why a pattern is refused.
@@ -81,6 +88,14 @@ pub enum PatternError {
     /// Fractions are no probabilities.
     #[error("the fractions {0:?} of the pattern must not be negative and must sum to 1")]
     Fractions(Vec<f64>),
+    /// A box of cells is none, or not inside the grid.
+    #[error("the box {extent:?} of the pattern must hold cells, and only cells of the grid, which has {cells:?}")]
+    Extent {
+        /// First cell and the one after the last.
+        extent: [[usize; 3]; 2],
+        /// The grid's cells.
+        cells: [usize; 3],
+    },
     /// A centre is not finite.
     #[error("the centre {0:?} of a sphere must be finite")]
     Centre([f64; 3]),
@@ -136,6 +151,12 @@ impl Pattern {
                 let inside = spheres::inside(lattice, *radius, centres)?;
                 inside.into_iter().map(|i| labels[usize::from(i)]).collect()
             }
+            Self::Grid { bars, labels } => {
+                let cells = lattice.cells;
+                let refused = || PatternError::Extent { extent: bars.extent.unwrap_or([[0; 3], cells]), cells };
+                let extent = bars.extent_on(lattice).ok_or_else(refused)?;
+                per_cell(lattice, |at| labels[usize::from(bars.contain(extent, at))])
+            }
         })
     }
 
@@ -163,6 +184,10 @@ impl Pattern {
                     SphereCentres::Periodic { period } => check_length("period", *period),
                     _ => Ok(()),
                 }
+            }
+            Self::Grid { bars, .. } => {
+                check_length("width", bars.width as f64)?;
+                bars.period.into_iter().try_for_each(|period| check_length("period", period as f64))
             }
         }
     }
@@ -272,6 +297,25 @@ mod tests {
         assert_eq!(labels[..16], labels[16..]);
     }
 
+    fn grid(period: [usize; 3], width: usize, extent: Option<[[usize; 3]; 2]>) -> Pattern {
+        Pattern::Grid { bars: Bars { period, width, extent }, labels: AB }
+    }
+
+    #[test]
+    fn bars_cross_in_a_grid_inside_their_box() {
+        let ribs = grid([3, 2, 1], 1, Some([[1, 0, 0], [6, 3, 1]])).labels(&Lattice::new([7, 4, 2])).unwrap();
+        let rows: Vec<String> = ribs.chunks(7).map(|row| row.iter().map(|l| l.to_string()).collect()).collect();
+        assert_eq!(rows[..4], ["0111110", "0100100", "0111110", "0000000"]);
+        assert_eq!(rows[4..], ["0000000"; 4]);
+        let lattice = Lattice::new([4; 3]);
+        let bars = grid([4; 3], 1, None).labels(&lattice).unwrap();
+        for (c, label) in bars.iter().enumerate() {
+            let zeros = lattice.cell_position(Cell(c)).iter().filter(|i| **i == 0).count();
+            assert_eq!(label.0, i32::from(zeros >= 2), "three edges of a cube meet: cell {c}");
+        }
+        assert_eq!(bars.iter().filter(|label| label.0 == 1).count(), 10);
+    }
+
     #[test]
     fn a_random_pattern_is_the_same_for_ever() {
         let pattern = Pattern::Random { seed: 7, size: 1, labels: AB.to_vec(), fractions: None };
@@ -310,6 +354,10 @@ mod tests {
             (layers([1.0; 3], 0.0, labels.clone()), "period of the pattern is 0"),
             (layers([1.0; 3], 4.0, vec![]), "no labels"),
             (Pattern::Checkerboard { size: 0, labels }, "size of the pattern is 0"),
+            (grid([2, 0, 2], 1, None), "period of the pattern is 0"),
+            (grid([2; 3], 0, None), "width of the pattern is 0"),
+            (grid([2; 3], 1, Some([[0; 3], [2, 2, 3]])), "only cells of the grid, which has [2, 2, 2]"),
+            (grid([2; 3], 1, Some([[1, 0, 0], [1, 2, 2]])), "must hold cells"),
             (random(vec![1.0]), "1 fractions for 2 labels"),
             (random(vec![0.7, 0.7]), "must sum to 1"),
             (random(vec![1.5, -0.5]), "must not be negative"),

@@ -4,6 +4,7 @@ use std::ops::RangeInclusive;
 use std::str::FromStr;
 
 use super::bodies::Heterogeneity;
+use super::moving::{self, FIG1, FIG4, FIG5};
 use super::{Findings, Study, fig2, fig3, table1, table2, table3};
 use crate::failure::Failure;
 use crate::results;
@@ -18,30 +19,40 @@ pub enum Artefact {
     Table2,
     /// Times of fits.
     Table3,
+    /// The beam whose stiff cells are erased.
+    Fig1,
     /// The beams of Table 1.
     Fig2,
     /// Single cells, on which fits are compared.
     Fig3,
+    /// The trunk from a CT that is cut.
+    Fig4,
+    /// The plate of active material that is twisted.
+    Fig5,
 }
 
 /// Why a name is none.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("nothing is published as {name:?}{hint}; expected table1, table2, table3, fig2 or fig3")]
+#[error("nothing is published as {name:?}{hint}; expected table1, table2, table3 or fig1 to fig5")]
 pub struct UnknownArtefact {
     name: String,
     hint: String,
 }
 
 impl Artefact {
-    const ALL: [Self; 5] = [Self::Table1, Self::Table2, Self::Table3, Self::Fig2, Self::Fig3];
+    const ALL: [Self; 8] =
+        [Self::Table1, Self::Table2, Self::Table3, Self::Fig1, Self::Fig2, Self::Fig3, Self::Fig4, Self::Fig5];
 
     fn name(self) -> &'static str {
         match self {
             Self::Table1 => "table1",
             Self::Table2 => "table2",
             Self::Table3 => "table3",
+            Self::Fig1 => FIG1.name,
             Self::Fig2 => "fig2",
             Self::Fig3 => "fig3",
+            Self::Fig4 => FIG4.name,
+            Self::Fig5 => FIG5.name,
         }
     }
 
@@ -50,16 +61,20 @@ impl Artefact {
             Self::Table1 => "errors of training data: beams of three patterns, d = 2 to 7",
             Self::Table2 => "times of training data for one interior cell, d = 2 to 7",
             Self::Table3 => "times of shape functions for one cell, d = 2 to 5",
+            Self::Fig1 => "a beam of layers in motion, stiff cells erased: with update, without, fine",
             Self::Fig2 => "pictures of the beams of Table 1",
             Self::Fig3 => "single cells of three patterns, d = 2 to 5: three fits compared, and pictures",
+            Self::Fig4 => "a trunk from a CT in motion, cut by a blade: with update, without, fine",
+            Self::Fig5 => "a plate of active material, twisted and softened: with update, without, fine",
         }
     }
 
-    /// The published degrees.
-    fn published_degrees(self) -> RangeInclusive<usize> {
+    /// The published degrees; `None` for what a scene describes.
+    fn published_degrees(self) -> Option<RangeInclusive<usize>> {
         match self {
-            Self::Table1 | Self::Table2 | Self::Fig2 => 2..=7,
-            Self::Table3 | Self::Fig3 => 2..=5,
+            Self::Table1 | Self::Table2 | Self::Fig2 => Some(2..=7),
+            Self::Table3 | Self::Fig3 => Some(2..=5),
+            Self::Fig1 | Self::Fig4 | Self::Fig5 => None,
         }
     }
 
@@ -69,14 +84,22 @@ impl Artefact {
             Self::Table1 => table1::run(study),
             Self::Table2 => table2::run(study),
             Self::Table3 => table3::run(study),
+            Self::Fig1 => moving::run(study, &FIG1),
             Self::Fig2 => fig2::run(study),
             Self::Fig3 => fig3::run(study),
+            Self::Fig4 => moving::run(study, &FIG4),
+            Self::Fig5 => moving::run(study, &FIG5),
         }
     }
 
     /// The degrees asked for, ascending, or all published ones.
     pub fn degrees(self, asked: &[usize]) -> Result<Vec<usize>, Failure> {
-        let published = self.published_degrees();
+        let Some(published) = self.published_degrees() else {
+            return match asked {
+                [] => Ok(Vec::new()),
+                _ => Err(self.described_by_scene("--degrees")),
+            };
+        };
         if let Some(degree) = asked.iter().find(|d| !published.contains(d)) {
             let (low, high) = (published.start(), published.end());
             let name = self.name();
@@ -88,8 +111,26 @@ impl Artefact {
         Ok(degrees)
     }
 
+    fn described_by_scene(self, option: &str) -> Failure {
+        Failure::Unusable(format!("{} is described by its scene; leave {option} out", self.name()))
+    }
+
+    /// Refuses options about scenes for what has none.
+    pub fn check_scene(self, steps: bool, scenes: bool) -> Result<(), Failure> {
+        let option = if steps { "--steps" } else { "--scenes" };
+        if self.published_degrees().is_some() && (steps || scenes) {
+            let sentence =
+                format!("{} has no scene; leave {option} out, which is for fig1, fig4 and fig5", self.name());
+            return Err(Failure::Unusable(sentence));
+        }
+        Ok(())
+    }
+
     /// The patterns asked for, each once and in the paper's order, or all of them.
     pub fn patterns(self, asked: &[Heterogeneity]) -> Result<Vec<Heterogeneity>, Failure> {
+        if self.published_degrees().is_none() && !asked.is_empty() {
+            return Err(self.described_by_scene("--patterns"));
+        }
         if matches!(self, Self::Table2 | Self::Table3) && !asked.is_empty() {
             let name = self.name();
             return Err(Failure::Unusable(format!("{name} is measured on one body; leave --patterns out")));
@@ -129,7 +170,7 @@ mod tests {
             assert_eq!(artefact.name().parse(), Ok(artefact));
         }
         let message = "tabel1".parse::<Artefact>().unwrap_err().to_string();
-        assert!(message.contains("did you mean \"table1\"?") && message.contains("fig3"), "{message}");
+        assert!(message.contains("did you mean \"table1\"?") && message.contains("fig1 to fig5"), "{message}");
         assert!(!"zzz".parse::<Artefact>().unwrap_err().to_string().contains("did you mean"));
     }
 
@@ -141,5 +182,8 @@ mod tests {
         let [oblique, horizontal, _] = Heterogeneity::ALL;
         assert_eq!(Artefact::Fig2.patterns(&[horizontal, oblique, oblique]).unwrap(), [oblique, horizontal]);
         assert!(Artefact::Table2.patterns(&[oblique]).is_err());
+        assert!(Artefact::Fig1.degrees(&[4]).is_err() && Artefact::Fig5.patterns(&[oblique]).is_err());
+        assert!(Artefact::Fig4.check_scene(true, true).is_ok() && Artefact::Fig2.check_scene(true, false).is_err());
+        assert_eq!(Artefact::Fig4.degrees(&[]).unwrap(), [0; 0]);
     }
 }

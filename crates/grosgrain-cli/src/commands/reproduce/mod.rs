@@ -5,6 +5,7 @@ mod bodies;
 mod fig2;
 mod fig3;
 mod fits;
+mod moving;
 mod pictures;
 mod row;
 mod setting;
@@ -29,13 +30,14 @@ use crate::results;
 
 const EXAMPLES: &str = "Examples:
   grosgrain reproduce table1 --degrees 2,3 --patterns oblique -o out/table1
-  grosgrain reproduce table2 table3 --json out/timings.json";
+  grosgrain reproduce table2 table3 --json out/timings.json
+  grosgrain reproduce fig1 fig4 fig5 -o out/figures";
 
 /// Arguments of `reproduce`.
 #[derive(Args, Clone, Debug)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
-    /// What is run again: table1, table2, table3, fig2, fig3
+    /// What is run again: table1, table2, table3, fig1 to fig5
     #[arg(value_name = "NAME", required_unless_present = "list")]
     names: Vec<Artefact>,
     /// Say what can be reproduced, and stop
@@ -47,6 +49,12 @@ pub struct Arguments {
     /// The patterns, with commas between them: oblique, horizontal, vertical; all without it
     #[arg(long, value_delimiter = ',', value_name = "A,B")]
     patterns: Vec<Heterogeneity>,
+    /// Figs. 1, 4 and 5: make the first so many steps of the scene only
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    steps: Option<u32>,
+    /// Figs. 1, 4 and 5: the folder of their scenes; without it `scenes` in or above the current folder or that of the program
+    #[arg(long, value_name = "DIR")]
+    scenes: Option<PathBuf>,
     /// Write pictures and charts into this folder; none are written without it
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
@@ -59,6 +67,10 @@ pub struct Arguments {
 struct Study<'a> {
     degrees: Vec<usize>,
     patterns: Vec<Heterogeneity>,
+    /// Make so many steps only.
+    steps: Option<usize>,
+    /// Where scenes are.
+    scenes: Option<PathBuf>,
     /// Where pictures go.
     folder: Option<PathBuf>,
     machine: Machine,
@@ -73,6 +85,8 @@ struct Findings {
     text: String,
     /// The pictures.
     written: Vec<PathBuf>,
+    /// Why a run ended before its last step.
+    stopped: Option<Failure>,
 }
 
 /// Runs what is named and prints it.
@@ -87,23 +101,27 @@ pub fn run(arguments: &Arguments, progress: &Progress) -> Result<(), Failure> {
         arguments.output.as_deref().map(OutputFolder::make).transpose()?,
         arguments.json.as_deref().map(OutputFolder::around).transpose()?,
     );
-    let mut rows = Vec::new();
+    let (mut rows, mut stopped) = (Vec::new(), None);
     for (artefact, study) in studies {
         let found = artefact.run(&study)?;
         results::print(&found.text)?;
         found.written.iter().try_for_each(|path| results::print(&format!("wrote {}", path.display())))?;
         rows.extend(found.rows);
+        stopped = stopped.or(found.stopped);
     }
-    match &arguments.json {
-        Some(json) => results::write_json(json, &rows),
-        None => Ok(()),
+    if let Some(json) = &arguments.json {
+        results::write_json(json, &rows)?;
     }
+    stopped.map_or(Ok(()), Err)
 }
 
 fn study<'a>(artefact: Artefact, arguments: &Arguments, progress: &'a Progress) -> Result<Study<'a>, Failure> {
+    artefact.check_scene(arguments.steps.is_some(), arguments.scenes.is_some())?;
     Ok(Study {
         degrees: artefact.degrees(&arguments.degrees)?,
         patterns: artefact.patterns(&arguments.patterns)?,
+        steps: arguments.steps.map(|steps| steps as usize),
+        scenes: arguments.scenes.clone(),
         folder: arguments.output.clone(),
         machine: Machine::here(),
         progress,

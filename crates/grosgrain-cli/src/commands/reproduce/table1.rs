@@ -40,7 +40,7 @@ pub fn run(study: &Study) -> Result<Findings, Failure> {
         Some(folder) => pictures::error_charts(&entries, &study.patterns, folder)?,
         None => Vec::new(),
     };
-    Ok(Findings { rows, text: table1_text::text(study, &entries), written })
+    Ok(Findings { rows, text: table1_text::text(study, &entries), written, ..Findings::default() })
 }
 
 /// All errors of one beam: one fine solution, one coarse model per training, and one more per setting where that matters.

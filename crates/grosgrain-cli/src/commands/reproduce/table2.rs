@@ -112,7 +112,7 @@ pub fn run(study: &Study) -> Result<Findings, Failure> {
         }
         None => Vec::new(),
     };
-    Ok(Findings { text: text(study, &rows), rows, written })
+    Ok(Findings { text: text(study, &rows), rows, written, ..Findings::default() })
 }
 
 /// Times over that of the single cell, which do not depend on the machine as much.

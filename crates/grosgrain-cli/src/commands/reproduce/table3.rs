@@ -41,7 +41,7 @@ pub fn run(study: &Study) -> Result<Findings, Failure> {
         }
         None => Vec::new(),
     };
-    Ok(Findings { text: text(study, &rows), rows, written })
+    Ok(Findings { text: text(study, &rows), rows, written, ..Findings::default() })
 }
 
 fn degree_rows(study: &Study, degree: usize) -> Result<Vec<Row>, Failure> {

@@ -114,7 +114,7 @@ fn write_volumes(
 }
 
 /// A picture or volume that cannot be made is a warning: the results that were computed stay.
-fn keep_or_warn<T>(made: Result<T, Failure>, progress: &Progress) -> Option<T> {
+pub fn keep_or_warn<T>(made: Result<T, Failure>, progress: &Progress) -> Option<T> {
     made.inspect_err(|failure| progress.warn(&failure.to_string())).ok()
 }
 
