@@ -25,14 +25,14 @@ pub struct Made {
     pub seconds: f64,
 }
 
-/// Makes the edits of a step; `None` where none are due.
+/// Makes the edits of a step; `None` where none are due. `known` tells parts and cells that hung on nothing before: the user has heard of them.
 ///
 /// # Errors
 /// Edits that the body refuses.
 pub fn make(
     problem: &mut Problem,
     number: usize,
-    editor: &mut Editor,
+    (editor, known): (&mut Editor, [usize; 2]),
     progress: &Progress,
 ) -> Result<Option<Made>, Failure> {
     let due = problem.schedule.due(number);
@@ -58,7 +58,9 @@ pub fn make(
         Ok(Applied { changed, loose }) => (changed.to_vec(), loose),
         Err(error) => return Err(refuse(problem, "edit", &error)),
     };
-    warnings.extend(told(number, &loose, problem.scene.is_dynamic()));
+    if [loose.parts, loose.cells] != known {
+        warnings.extend(told(number, &loose, problem.scene.is_dynamic()));
+    }
     warnings.iter().for_each(|warning| progress.warn(warning));
     let row = Edit {
         step: number,

@@ -56,20 +56,24 @@ impl Frames {
     }
 
     /// Writes the frame of a step: `body_NNNN.vtu`, and `coarse_NNNN.vtu` where there is a coarse model. The series `body.pvd`
-    /// and `coarse.pvd` list all frames so far.
+    /// and `coarse.pvd` list all frames so far. Returns the number of cells that are inverted, for which `von_mises` is zero.
     ///
     /// # Errors
     /// Files that cannot be written.
-    pub fn add(&mut self, problem: &Problem, shown: &Shown<'_>) -> Result<(), Failure> {
+    pub fn add(&mut self, problem: &Problem, shown: &Shown<'_>) -> Result<usize, Failure> {
         let coarse = shown.coarse.as_ref();
         let body = FineBody::new(&problem.model, coarse.map(|coarse| coarse.model), shown.time);
-        let write = |path: &Path| body.write(path, &problem.model, shown);
+        let stresses = cauchy_stresses(&problem.model, shown.displacement);
+        let mises: Vec<f64> = body.cells.iter().map(|&c| von_mises(&stresses[c])).collect();
+        let inverted = mises.iter().filter(|mises| mises.is_nan()).count();
+        let mises: Vec<f64> = mises.into_iter().map(|mises| if mises.is_nan() { 0.0 } else { mises }).collect();
+        let write = |path: &Path| body.write(path, &problem.model, shown, &mises);
         series(&self.folder, "body", shown, &mut self.body, write)?;
         if let Some(coarse) = coarse {
             let write = |path: &Path| write_coarse(path, problem, coarse, shown.time);
             series(&self.folder, "coarse", shown, &mut self.coarse, write)?;
         }
-        Ok(())
+        Ok(inverted)
     }
 
     /// The series that were written.
@@ -125,14 +129,13 @@ impl FineBody {
         path: &Path,
         model: &FineModel,
         &Shown { displacement, velocity, reference, .. }: &Shown<'_>,
+        mises: &[f64],
     ) -> Result<(), VtkError> {
         let vectors: Vec<[f64; 3]> = self.nodes.iter().map(|&n| vector(displacement, n)).collect();
         let moving = |n: usize| velocity.map_or([0.0; 3], |velocity| vector(velocity, n));
         let velocities: Vec<[f64; 3]> = self.nodes.iter().map(|&n| moving(n)).collect();
-        let stresses = cauchy_stresses(model, displacement);
         let labels: Vec<i32> = self.cells.iter().map(|&c| model.grid().labels[c].0).collect();
         let young: Vec<f64> = self.cells.iter().map(|&c| model.young(Cell(c))).collect();
-        let mises: Vec<f64> = self.cells.iter().map(|&c| von_mises(&stresses[c])).collect();
         let error: Option<Vec<[f64; 3]>> = reference.map(|reference| {
             let difference = |n: usize| {
                 let (u, v) = (vector(displacement, n), vector(reference, n));
@@ -147,7 +150,7 @@ impl FineBody {
             array("label", Values::Integer(&labels)),
             array("young", Values::Scalar(&young)),
             array("coarse_cell", Values::Integer(&self.coarse_cell)),
-            array("von_mises", Values::Scalar(&mises)),
+            array("von_mises", Values::Scalar(mises)),
         ];
         let grid = UnstructuredGrid {
             points: &self.points,

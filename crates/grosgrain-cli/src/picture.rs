@@ -150,7 +150,8 @@ impl<'a> Drawing<'a> {
     }
 
     fn error(&self, u: &[f64], exact: &[f64]) -> Colouring {
-        let largest = largest_displacement(exact);
+        // Before anything moves there is nothing to be relative to, and no error.
+        let largest = Some(largest_displacement(exact)).filter(|largest| *largest > 0.0).unwrap_or(1.0);
         let error = |node: &Node| {
             let square: f64 = (0..3).map(|r| (u[3 * node.0 + r] - exact[3 * node.0 + r]).powi(2)).sum();
             100.0 * square.sqrt() / largest

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use grosgrain::coarse::BuildOptions;
+use grosgrain::contact::Ground;
 use grosgrain::dynamics::{Holds, RigidVelocity, centre_of_mass};
 use grosgrain::fine::FineModel;
 use grosgrain::mesh::{Label, Volume, VoxelGrid, pad_to_multiple};
@@ -22,6 +23,7 @@ use crate::quantities::triple_count;
 use crate::report::ModelSize;
 use crate::scene::{Filling, Scene, Source, Start, VoxelModulus, read_scene};
 use crate::schedule::EditSchedule;
+use crate::tracks;
 
 /// Label of the voids that fill the last coarse cells.
 const PADDING: Label = Label(-1);
@@ -39,7 +41,7 @@ pub struct Problem {
     pub model: FineModel,
     /// The volume that the body was read from, where there is one.
     pub volume: Option<Volume>,
-    /// Which nodes of the lattice are held at the beginning.
+    /// Which nodes of the lattice are held: at the beginning, and in a dynamic run after its last edit.
     pub fixed: Vec<bool>,
     /// What is held over time, and how it moves.
     pub holds: Holds,
@@ -49,6 +51,8 @@ pub struct Problem {
     pub placed: PlacedLoads,
     /// The springs of the scene's loads.
     pub springs: Vec<PlacedSprings>,
+    /// The ground that the body may land on.
+    pub ground: Option<Ground>,
     /// What changes during the run.
     pub schedule: EditSchedule,
     /// Seconds per stage so far.
@@ -77,8 +81,9 @@ impl Problem {
         let placed = PlacedLoads::new(&scene, &model)?;
         let loads = placed.assemble(&model, time_of(&scene, &schedule, 0));
         let springs = PlacedSprings::of(&scene, &model)?;
+        let ground = tracks::ground(&scene, &model);
         let seconds = BTreeMap::from([("body".to_owned(), start.elapsed().as_secs_f64())]);
-        Ok(Self { scene, model, volume: body.volume, fixed, holds, loads, placed, springs, schedule, seconds })
+        Ok(Self { scene, model, volume: body.volume, fixed, holds, loads, placed, springs, ground, schedule, seconds })
     }
 
     /// The time \[s\] whose loads and motions hold at a step: the step's, or [`END_OF_RAMPS`] for a single equilibrium.
@@ -123,17 +128,6 @@ impl Problem {
                 Err(self.scene.unusable(key, sentence).into())
             }
         }
-    }
-
-    /// Whether the run is one of static equilibria of linear materials between parts that stand still: one linear system each.
-    pub fn is_linear_static(&self) -> bool {
-        let scene = &self.scene;
-        let edited = !scene.edits.is_empty();
-        let linear = !scene.is_nonlinear();
-        let still = scene.fixes.iter().all(|fix| fix.motion.is_none());
-        let constant = !scene.loads.iter().any(|load| load.is_spring() || edited && load.span.varies());
-        let plain = scene.coarsening.update || !edited;
-        !scene.is_dynamic() && linear && still && constant && plain
     }
 
     /// The method asked for on the command line, or the scene's.

@@ -127,7 +127,9 @@ pub struct Motion {
     pub kinetic: f64,
     /// Work of loads and of moved holds since the start \[J\].
     pub work: f64,
-    /// Energy that is gone since the start, to damping, friction and the integrator \[J\]; edits change it as well.
+    /// Energy that edits have put in since the start, negative where they took some away \[J\].
+    pub edited: f64,
+    /// Energy that is gone since the start, to damping, friction and the integrator \[J\].
     pub dissipated: f64,
     /// Momentum \[N s\].
     pub momentum: [f64; 3],

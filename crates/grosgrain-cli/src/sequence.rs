@@ -128,7 +128,8 @@ impl Sequence {
         editor: &mut Editor,
         progress: &Progress,
     ) -> Result<(), Failure> {
-        let Some(Made { changed, mut row, seconds, .. }) = edits::make(problem, number, editor, progress)? else {
+        let Some(Made { changed, mut row, seconds, .. }) = edits::make(problem, number, (editor, [0; 2]), progress)?
+        else {
             return Ok(());
         };
         let mut total = seconds;

@@ -117,6 +117,25 @@ fn inspect_counts_cells_and_unknowns_of_a_scene() {
 }
 
 #[test]
+fn inspect_estimates_the_memory_of_steps_where_steps_are_made() {
+    let folder = tempfile::tempdir().unwrap();
+    let bytes = |scene: &str| {
+        std::fs::write(folder.path().join("moving.toml"), scene).unwrap();
+        json(&grosgrain(folder.path(), &["inspect", "--json", "moving.toml"]))[0]["steps_bytes"].take()
+    };
+    assert!(bytes(&SCENE.replace("corotational", "linear")).is_null(), "a linear equilibrium has none");
+    assert!(bytes(SCENE).is_array(), "a nonlinear one is found by steps");
+    let dense = SCENE.replace("poisson", "density = 1000\npoisson");
+    let moving = format!("{dense}\n[time]\nmode = \"dynamic\"\nstep = 0.01\nsteps = 5\n");
+    let (plain, damped) = (bytes(&moving), bytes(&format!("{moving}damping = {{ stiffness = 1e-3 }}\n")));
+    let more = |n: usize| damped[n].as_f64().unwrap() - plain[n].as_f64().unwrap();
+    // Another 24 x 24 matrix for each of 80 cells, or of 12 elements.
+    assert!((more(0) - 80.0 * 4608.0).abs() < 1.0 && (more(1) - 12.0 * 4608.0).abs() < 1.0, "{plain} {damped}");
+    let told = stdout(&grosgrain(folder.path(), &["inspect", "moving.toml"]));
+    assert!(told.contains("for the fine model, ") && told.contains("for the coarse one"), "{told}");
+}
+
+#[test]
 fn converting_there_and_back_keeps_every_figure() {
     let folder = tempfile::tempdir().unwrap();
     let figures = |file: &str| {

@@ -98,11 +98,24 @@ fn defaults_of_dynamic_runs_are_those_that_the_documentation_names() {
     assert_eq!((tolerance, halvings, increments), (1e-5, 8, 1));
     assert_eq!(scene.contact, Some(Ground { z: 0.0, friction: 0.0, stiffness: None }));
     assert_eq!((scene.start, scene.output.animation), (Start { velocity: [0.0; 3], spin: [0.0; 3] }, false));
-    assert_eq!((scene.coarsening.integration.unwrap_or_default(), scene.coarsening.update), (Integration::Gauss, true));
+    assert_eq!((scene.coarsening.integration_or_default(), scene.coarsening.update), (Integration::Gauss, true));
     assert_eq!((scene.body.loose, read(GRAVITY).body.loose), (LooseParts::Keep, LooseParts::Drop));
     assert_eq!(scene.warnings, Vec::<String>::new());
     let number = read(&format!("{}damping = 0.25\n{GRAVITY}", DYNAMIC));
     assert_eq!(number.time.damping, Damping { mass: 0.25, stiffness: 0.0 });
+}
+
+#[test]
+fn an_edit_at_the_end_of_a_dynamic_run_is_told_to_come_to_nothing() {
+    let warnings = |step: usize, time: &str| {
+        read(&format!(
+            "{time}{GRAVITY}{LEFT}[[edit]]\nat_step = {step}\nwhere = {{ plane = \"z\", at = 0.15 }}\nremove = true"
+        ))
+        .warnings
+    };
+    let told = "edit[0] is due at step 100, when the run ends: nothing moves after it, so it is not made";
+    assert_eq!(warnings(100, DYNAMIC), [told]);
+    assert_eq!((warnings(99, DYNAMIC), warnings(3, "")), (vec![], vec![]));
 }
 
 #[test]

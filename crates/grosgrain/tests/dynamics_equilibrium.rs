@@ -15,7 +15,7 @@ use grosgrain::progress::silent;
 use grosgrain::solver::SolverChoice;
 use motion::{GRAVITY, KINDS, Kind, Runner, bar, clamped, distance, options, run, size, weight};
 
-const WHOLE: LoadPath = LoadPath { share: [0.0, 1.0], time: [0.0, 1.0], loads: 1.0 };
+const WHOLE: LoadPath = LoadPath { share: [0.0, 1.0], time: [0.0, 1.0], loads: [1.0, 1.0] };
 
 fn hanging(model: &FineModel, times: f64) -> Conditions {
     Conditions {

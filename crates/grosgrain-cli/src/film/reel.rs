@@ -79,11 +79,13 @@ pub fn note<T>(frame: Option<&Recorded<T>>, has_notes: bool) -> String {
     }
 }
 
-/// `t = 0.50 s` for each time, with as many decimals as tell them apart, two at least.
+/// `t = 0.50 s` for each time, with as many decimals as show their distances, two at least and six at most.
 pub fn time_labels(times: &[f64]) -> Vec<String> {
-    let labels = |decimals: usize| times.iter().map(|t| format!("t = {t:.decimals$} s")).collect::<Vec<_>>();
-    let apart = |labels: &Vec<String>| labels.windows(2).all(|pair| pair[0] != pair[1]);
-    (2..6).map(labels).find(apart).unwrap_or_else(|| labels(6))
+    let closest = times.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(f64::INFINITY, f64::min);
+    let rounded_off = |t: &f64, decimals: i32| (t - (t * 10f64.powi(decimals)).round() / 10f64.powi(decimals)).abs();
+    let shown = |decimals: &usize| times.iter().all(|t| rounded_off(t, *decimals as i32) <= 0.05 * closest);
+    let decimals = (2..6).find(shown).unwrap_or(6);
+    times.iter().map(|t| format!("t = {t:.decimals$} s")).collect()
 }
 
 /// Time that each frame stands for motion at its true speed, within what can be seen.
@@ -126,6 +128,7 @@ mod tests {
     fn labels_of_times_differ() {
         assert_eq!(time_labels(&[0.0, 0.5]), ["t = 0.00 s", "t = 0.50 s"]);
         assert_eq!(time_labels(&[0.001, 0.0015]), ["t = 0.0010 s", "t = 0.0015 s"]);
+        assert_eq!(time_labels(&[1.0 / 3.0, 2.0 / 3.0]), ["t = 0.33 s", "t = 0.67 s"]);
         assert_eq!((delay(&[0.0, 0.1, 0.2]), delay(&[0.0]), delay(&[0.0, 1e-6])), (0.1, 0.03, 0.03));
     }
 }

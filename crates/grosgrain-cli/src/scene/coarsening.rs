@@ -39,6 +39,13 @@ pub struct Coarsening {
 const KEYS: &[&str] =
     &["degree", "training", "data_tolerance", "fields", "base", "objective", "split", "integration", "update"];
 
+impl Coarsening {
+    /// The integration that the scene gives, or the one closest to the fine model.
+    pub fn integration_or_default(&self) -> Integration {
+        self.integration.unwrap_or(Integration::Gauss)
+    }
+}
+
 /// Reads `[coarsening]`.
 pub fn read_coarsening(item: &Item) -> Reading<Coarsening> {
     let section = item.section(KEYS)?;

@@ -160,6 +160,10 @@ fn late_edits(scene: &Scene) -> Vec<String> {
     let time = &scene.time;
     let mut warnings = Vec::new();
     for edit in &scene.edits {
+        let end = time.steps.filter(|steps| scene.is_dynamic() && edit.step(0, time.step) == Some(*steps));
+        warnings.extend(end.map(|steps| {
+            format!("{} is due at step {steps}, when the run ends: nothing moves after it, so it is not made", edit.key)
+        }));
         let cut_off = time.steps.zip(edit.last_step(time.step)).filter(|(steps, last)| last > steps);
         let told = edit.repeat.is_some_and(|r| r.times.is_some() || r.until.is_some());
         if let Some((steps, last)) = cut_off.filter(|_| told) {

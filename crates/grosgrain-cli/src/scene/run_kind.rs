@@ -154,6 +154,15 @@ impl Scene {
         self.materials.iter().any(|material| material.law != Law::Linear)
     }
 
+    /// Whether the run is one of static equilibria of linear materials between parts that stand still: one linear system each.
+    pub fn is_linear_static(&self) -> bool {
+        let edited = !self.edits.is_empty();
+        let still = self.fixes.iter().all(|fix| fix.motion.is_none());
+        let constant = !self.loads.iter().any(|load| load.is_spring() || edited && load.span.varies());
+        let plain = self.coarsening.update || !edited;
+        !self.is_dynamic() && !self.is_nonlinear() && still && constant && plain
+    }
+
     /// Whether a load or a moving part acts on the body.
     pub fn is_driven(&self) -> bool {
         self.loads.iter().any(|load| load.acts_at_rest()) || self.fixes.iter().any(|fix| fix.motion.is_some())

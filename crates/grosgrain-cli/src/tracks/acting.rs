@@ -6,7 +6,7 @@ use grosgrain::fine::FineModel;
 use grosgrain::mesh::{Cell, Node};
 
 use crate::problem::Problem;
-use crate::scene::Span;
+use crate::scene::{Scene, Span};
 
 /// Holds, loads, springs and ground of a scene on its body as it is now.
 pub fn conditions(problem: &Problem) -> Conditions {
@@ -19,12 +19,17 @@ pub fn conditions(problem: &Problem) -> Conditions {
             schedule: schedule(&springs.span),
         })
     });
-    let ground = problem.scene.contact.map(|ground| Ground {
+    let (holds, loads) = (problem.holds.clone(), problem.placed.timed(model));
+    Conditions { holds, loads, springs: springs.collect(), ground: problem.ground }
+}
+
+/// The ground of a scene under its body as it is at the beginning; edits do not make it softer or stiffer.
+pub fn ground(scene: &Scene, model: &FineModel) -> Option<Ground> {
+    scene.contact.map(|ground| Ground {
         height: ground.z,
         friction: ground.friction,
         stiffness: ground.stiffness.unwrap_or_else(|| stiffness_of_ground(model)),
-    });
-    Conditions { holds: problem.holds.clone(), loads: problem.placed.timed(model), springs: springs.collect(), ground }
+    })
 }
 
 /// When something acts.

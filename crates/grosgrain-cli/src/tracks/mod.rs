@@ -4,5 +4,6 @@ mod acting;
 mod run;
 mod track;
 
+pub use acting::ground;
 pub use run::{Outcome, TrackStep, run};
 pub use track::{Books, Kind, Track, Update};

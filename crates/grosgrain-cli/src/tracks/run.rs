@@ -3,7 +3,7 @@
 use grosgrain::dynamics::{LoadPath, relative_error};
 use grosgrain::update::Editor;
 
-use super::{Track, Update};
+use super::{Books, Track, Update};
 use crate::edits::{self, Made};
 use crate::failure::Failure;
 use crate::interruption;
@@ -42,10 +42,24 @@ pub struct Outcome {
     pub stopped: Option<Failure>,
 }
 
+/// Why a step was not made.
+struct Halt {
+    why: Failure,
+    /// Whether the tracks can go back to where the step began.
+    intact: bool,
+}
+
+impl Halt {
+    fn broken(why: Failure) -> Self {
+        Self { why, intact: false }
+    }
+}
+
 /// Runs all steps. The first track is that of the report; the first fine one is what others are compared with. `on_step` receives every
 /// step with the problem as it is then.
 ///
-/// A step that fails ends the run; what came before it stands in the outcome.
+/// A step that fails ends the run; what came before it stands in the outcome, and `on_step` receives the step before it once more, as the
+/// last one.
 ///
 /// # Errors
 /// What `on_step` returns; an interruption.
@@ -62,26 +76,21 @@ pub fn run(
         interruption::check()?;
         match make(problem, tracks, number, &mut editor, (&mut outcome, progress)) {
             Ok(()) => {}
-            Err(Failure::Interrupted) => return Err(Failure::Interrupted),
-            Err(failure) => {
-                outcome.stopped = Some(told(problem, number, failure));
-                break;
+            Err(Halt { why: Failure::Interrupted, .. }) => return Err(Failure::Interrupted),
+            Err(Halt { why, intact }) => {
+                outcome.stopped = Some(why);
+                progress.close();
+                if intact && number > 0 {
+                    show(problem, tracks, (number - 1, true), None, &mut on_step)?;
+                }
+                return Ok(outcome);
             }
         }
         progress.report("steps", number, steps);
-        show(problem, tracks, (number, number == steps), &mut outcome, &mut on_step)?;
+        show(problem, tracks, (number, number == steps), Some(&mut outcome), &mut on_step)?;
     }
     progress.close();
     Ok(outcome)
-}
-
-fn told(problem: &Problem, number: usize, failure: Failure) -> Failure {
-    match failure {
-        Failure::Failed(sentence) => {
-            Failure::Failed(format!("{}: step {number}: {sentence}", problem.scene.file.display()))
-        }
-        other => other,
-    }
 }
 
 /// Goes to a step. In a dynamic run its edits are those that were due when the last one ended, so that what happens at a time changes the motion
@@ -92,20 +101,39 @@ fn make(
     number: usize,
     editor: &mut Editor,
     (outcome, progress): (&mut Outcome, &Progress),
-) -> Result<(), Failure> {
-    match (problem.scene.is_dynamic(), number) {
-        (true, 0) => Ok(()),
-        (true, _) => {
-            let edited = number - 1;
-            edit(problem, tracks, edited, editor, (outcome, progress))?;
-            let (time, length) = (problem.schedule.time(edited), problem.schedule.time(1));
-            tracks.iter_mut().try_for_each(|track| track.advance(problem, time, length).map(drop))
+) -> Result<(), Halt> {
+    let dynamic = problem.scene.is_dynamic();
+    let edited = if dynamic { number.saturating_sub(1) } else { number };
+    let edits = outcome.edits.len();
+    edit(problem, tracks, edited, editor, (outcome, progress)).map_err(Halt::broken)?;
+    // An equilibrium before the edits is none of the body after them; a motion goes on.
+    let intact = dynamic || outcome.edits.len() == edits;
+    if dynamic && number == 0 {
+        return Ok(());
+    }
+    let (time, length) = (problem.schedule.time(edited), problem.schedule.time(1));
+    let path = path(problem, number);
+    for n in 0..tracks.len() {
+        let made = interruption::check().and_then(|()| match dynamic {
+            true => tracks[n].advance(problem, time, length).map(drop),
+            false => tracks[n].balance(problem, &path, progress).map(drop),
+        });
+        if let Err(failure) = made {
+            tracks[..=n].iter_mut().for_each(Track::take_back);
+            return Err(Halt { why: told(problem, (tracks, n), number, failure), intact });
         }
-        (false, _) => {
-            edit(problem, tracks, number, editor, (outcome, progress))?;
-            let path = path(problem, number);
-            tracks.iter_mut().try_for_each(|track| track.balance(problem, &path, progress).map(drop))
+    }
+    Ok(())
+}
+
+/// A failure with the file, the step, and the model where there are several.
+fn told(problem: &Problem, (tracks, n): (&[Track], usize), number: usize, failure: Failure) -> Failure {
+    let name = if tracks.len() > 1 { format!("{}: ", tracks[n].kind) } else { String::new() };
+    match failure {
+        Failure::Failed(sentence) => {
+            Failure::Failed(format!("{}: step {number}: {name}{sentence}", problem.scene.file.display()))
         }
+        other => other,
     }
 }
 
@@ -114,8 +142,11 @@ fn path(problem: &Problem, number: usize) -> LoadPath {
     let loads = problem.time_of(number);
     let motion = |time: f64| time.min(problem.holds.end_of_motion());
     match number {
-        0 => LoadPath { share: [0.0, 1.0], time: [0.0, motion(loads)], loads },
-        _ => LoadPath { share: [1.0, 1.0], time: [motion(problem.time_of(number - 1)), motion(loads)], loads },
+        0 => LoadPath { share: [0.0, 1.0], time: [0.0, motion(loads)], loads: [loads; 2] },
+        _ => {
+            let before = problem.time_of(number - 1);
+            LoadPath { share: [1.0, 1.0], time: [motion(before), motion(loads)], loads: [before, loads] }
+        }
     }
 }
 
@@ -130,17 +161,26 @@ fn edit(
     if number == 0 {
         return Ok(());
     }
-    let Some(Made { changed, mut row, loose_kept, .. }) = edits::make(problem, number, editor, progress)? else {
+    let (dynamic, nodes) = (problem.scene.is_dynamic(), problem.fixed.len());
+    let time = if dynamic { problem.schedule.time(number) } else { problem.time_of(number - 1) };
+    if dynamic {
+        // What is let go now holds nothing during the next step.
+        problem.fixed = problem.holds.fixed_at(problem.schedule.time(number + 1), nodes);
+    }
+    let known = outcome.edits.last().filter(|_| dynamic).map_or([0; 2], |row| [row.loose_parts, row.loose_cells]);
+    let Some(Made { changed, mut row, loose_kept, .. }) = edits::make(problem, number, (editor, known), progress)?
+    else {
         return Ok(());
     };
-    if loose_kept && !problem.scene.is_dynamic() {
+    if loose_kept && !dynamic {
         let sentence = "parts hang on nothing and have no static equilibrium; expected loose = \"drop\" in [body], \
                         or mode = \"dynamic\" in [time]";
-        return Err(Failure::Failed(sentence.into()));
+        return Err(Failure::Failed(format!("{}: step {number}: {sentence}", problem.scene.file.display())));
     }
     if !changed.is_empty() {
-        for (n, track) in tracks.iter_mut().enumerate() {
-            let Update { dirty, seconds } = track.follow(problem, &changed, progress)?;
+        for n in 0..tracks.len() {
+            let followed = tracks[n].follow(problem, (time, &changed), progress);
+            let Update { dirty, seconds } = followed.map_err(|why| told(problem, (tracks, n), number, why))?;
             if n == 0 {
                 row.dirty_cells = dirty;
                 let names = ["training", "fitting", "total"];
@@ -156,7 +196,7 @@ fn show(
     problem: &Problem,
     tracks: &[Track],
     (number, last): (usize, bool),
-    outcome: &mut Outcome,
+    outcome: Option<&mut Outcome>,
     on_step: &mut impl FnMut(&Problem, TrackStep<'_>) -> Result<(), Failure>,
 ) -> Result<(), Failure> {
     let displacements: Vec<Vec<f64>> =
@@ -169,22 +209,20 @@ fn show(
     };
     let errors: Vec<Option<f64>> = (0..tracks.len()).map(error).collect();
     let time = problem.schedule.time(number);
-    if let Some(first) = tracks.first() {
-        let books = &first.books;
-        let motion = problem.scene.is_dynamic().then(|| {
-            let (momentum, angular_momentum) = first.momenta(problem);
-            Motion {
-                kinetic: books.kinetic,
-                work: books.work,
-                dissipated: books.dissipated(),
-                momentum,
-                angular_momentum,
-            }
-        });
-        outcome.frames.push(Frame { step: number, time, energy: books.elastic, error: errors[0], motion });
-    }
     on_step(problem, TrackStep { number, time, last, tracks, displacements: &displacements, errors: &errors })?;
+    let Some(outcome) = outcome else { return Ok(()) };
+    if let Some(first) = tracks.first() {
+        let frame = Frame { step: number, time, energy: first.books.elastic, error: errors[0], motion: None };
+        let motion = problem.scene.is_dynamic().then(|| motion(problem, first));
+        outcome.frames.push(Frame { motion, ..frame });
+    }
     outcome.errors.push(errors);
     outcome.times.push(time);
     Ok(())
+}
+
+fn motion(problem: &Problem, track: &Track) -> Motion {
+    let (momentum, angular_momentum) = track.momenta(problem);
+    let Books { kinetic, work, edited, .. } = track.books;
+    Motion { kinetic, work, edited, dissipated: track.books.dissipated(), momentum, angular_momentum }
 }

@@ -5,8 +5,8 @@ use std::time::Instant;
 use grosgrain::coarse::{CoarseModel, Embedding, build};
 use grosgrain::coarsening::Objective;
 use grosgrain::dynamics::{
-    Body, CoarseMechanics, EquilibriumOptions, EquilibriumReport, FineMechanics, Inversion, LoadPath, NewtonOptions,
-    State, StepOptions, StepReport, Stepper, find_equilibrium,
+    Body, CoarseMechanics, Energies, EquilibriumOptions, EquilibriumReport, FineMechanics, Inversion, LoadPath, Moment,
+    NewtonOptions, State, StepOptions, StepReport, Stepper, check_state, find_equilibrium,
 };
 use grosgrain::mesh::{Cell, Node};
 use grosgrain::training::RunTimeTraining;
@@ -35,6 +35,17 @@ pub enum Kind {
     },
 }
 
+/// What a model is called beside others.
+impl std::fmt::Display for Kind {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Fine => formatter.write_str("fine"),
+            Self::Coarse { method, update: true } => write!(formatter, "coarse, {method}"),
+            Self::Coarse { method, update: false } => write!(formatter, "coarse, {method}, no update"),
+        }
+    }
+}
+
 /// A model in motion.
 pub struct Track {
     /// What it is.
@@ -48,6 +59,8 @@ pub struct Track {
     balance: EquilibriumOptions,
     /// Which fine nodes there are, to carry the fine motion over to an edited body.
     active: Vec<bool>,
+    /// Motion and books before the last step.
+    before: (State, Books),
 }
 
 /// Sums over a run.
@@ -71,8 +84,12 @@ pub struct Books {
     pub work: f64,
     /// Kinetic plus stored energy at the start \[J\].
     pub start: f64,
+    /// Energy that edits have put in, negative where they took some away \[J\].
+    pub edited: f64,
     /// Elastic energy \[J\].
     pub elastic: f64,
+    /// The largest elastic energy of all steps \[J\].
+    pub most_elastic: f64,
     /// Of springs and ground \[J\].
     pub points: f64,
     /// Kinetic energy \[J\].
@@ -84,21 +101,31 @@ pub struct Books {
 impl Books {
     /// What has gone since the start: work put in that is stored no more \[J\].
     pub fn dissipated(&self) -> f64 {
-        self.start + self.work - self.kinetic - self.elastic - self.points
+        self.start + self.work + self.edited - self.stored()
+    }
+
+    /// The largest elastic energy over that of the fine model, one where that has none: near zero the energies at the end tell little.
+    pub fn ratio_of_peaks(&self, fine: &Self) -> f64 {
+        if fine.most_elastic > 0.0 { self.most_elastic / fine.most_elastic } else { 1.0 }
+    }
+
+    /// What is there: kinetic, elastic, in springs and in the ground \[J\].
+    fn stored(&self) -> f64 {
+        self.kinetic + self.elastic + self.points
     }
 }
 
 enum Model {
     Fine(Box<FineMechanics>),
-    Coarse { source: Box<Source>, mechanics: Box<CoarseMechanics> },
+    Coarse { source: Source, mechanics: Box<CoarseMechanics> },
 }
 
 /// Where the coarse model comes from.
 enum Source {
     /// Renewed where an edit reaches.
-    Live(LiveCoarse),
+    Live(Box<LiveCoarse>),
     /// Built anew after every edit.
-    Built(CoarseModel),
+    Built(Box<CoarseModel>),
 }
 
 impl Source {
@@ -133,11 +160,11 @@ impl Track {
             }
             Kind::Coarse { method, update } => {
                 progress.say(&format!("building the coarse model: {method}"));
-                let source = Box::new(source(problem, (method, update), &mut books, progress)?);
+                let source = source(problem, (method, update), &mut books, progress)?;
                 let integration = match method {
                     // Its material is the volume's mean, which has no fine cells to integrate over.
                     Method::Average => grosgrain::coarse::Integration::Stiffness,
-                    _ => problem.scene.coarsening.integration.unwrap_or(grosgrain::coarse::Integration::Gauss),
+                    _ => problem.scene.coarsening.integration_or_default(),
                 };
                 let mechanics = CoarseMechanics::new(&problem.model, source.model(), integration, conditions(problem));
                 Model::Coarse { source, mechanics: Box::new(mechanics.map_err(|error| failed(&error))?) }
@@ -157,12 +184,43 @@ impl Track {
             max_halvings: time.halvings,
         };
         let active = problem.model.active().to_vec();
-        let mut track = Self { kind, state: State::default(), books, model, stepper, balance, active };
+        let before = (State::default(), books);
+        let mut track = Self { kind, state: State::default(), books, model, stepper, balance, active, before };
         track.state = track.start(problem);
-        let mass = track.mass().to_vec();
-        track.books.kinetic = track.state.kinetic_energy(&mass);
-        track.books.start = track.books.kinetic;
+        if problem.scene.is_dynamic() {
+            track.stand(problem, 0.0)?;
+            track.books.start = track.books.stored();
+        }
         Ok(track)
+    }
+
+    /// Brings the energies of the books up to date with the motion at a time \[s\].
+    fn stand(&mut self, problem: &Problem, time: f64) -> Result<(), Failure> {
+        let Self { model, state, .. } = self;
+        let energies = with_body(model, problem, |body| {
+            body.set_moment(Moment { loads: time, share: 1.0, holds: time }).map_err(|error| failed(&error))?;
+            let energies: Energies = check_state(body, state).map_err(|error| failed(&error))?;
+            Ok::<_, Failure>((energies, state.kinetic_energy(body.mass())))
+        });
+        let (energies, kinetic) = energies?;
+        let books = &mut self.books;
+        (books.elastic, books.points, books.kinetic) = (energies.elastic, energies.points, kinetic);
+        match books.stored().is_finite() {
+            true => Ok(()),
+            false => Err(failed(&"the energy is not finite; check the units of velocities, moduli and densities")),
+        }
+    }
+
+    /// Keeps motion and books, for [`Track::take_back`].
+    fn keep(&mut self) {
+        self.before.0.clone_from(&self.state);
+        self.before.1 = self.books;
+    }
+
+    /// Takes the last step back, or what a step that failed has made of it.
+    pub fn take_back(&mut self) {
+        self.state.clone_from(&self.before.0);
+        self.books = self.before.1;
     }
 
     /// Rest, or the velocity of `[start]` at all nodes.
@@ -266,6 +324,7 @@ impl Track {
     /// # Errors
     /// A step that fails however short its parts are.
     pub fn advance(&mut self, problem: &Problem, time: f64, length: f64) -> Result<StepReport, Failure> {
+        self.keep();
         let start = Instant::now();
         let Self { model, state, stepper, .. } = self;
         let report = with_body(model, problem, |body| stepper.advance(body, state, time, length));
@@ -280,6 +339,7 @@ impl Track {
         books.residual = books.residual.max(report.relative_residual);
         (books.elastic, books.points, books.kinetic) =
             (report.energies.elastic, report.energies.points, report.kinetic);
+        books.most_elastic = books.most_elastic.max(books.elastic);
         Ok(report)
     }
 
@@ -293,6 +353,7 @@ impl Track {
         path: &LoadPath,
         progress: &Progress,
     ) -> Result<EquilibriumReport, Failure> {
+        self.keep();
         let start = Instant::now();
         let Self { model, state, balance, .. } = self;
         let told = |share: f64| progress.report("loading", (100.0 * share) as usize, 100);
@@ -308,26 +369,37 @@ impl Track {
         books.linear += report.linear_iterations;
         books.residual = books.residual.max(report.relative_residual);
         (books.elastic, books.points) = (report.energies.elastic, report.energies.points);
+        books.most_elastic = books.most_elastic.max(books.elastic);
         Ok(report)
     }
 
-    /// Takes over a body that was edited in these cells.
+    /// Takes over a body that was edited in these cells at a time \[s\].
     ///
     /// # Errors
-    /// Training, fits or systems that fail; an interruption.
-    pub fn follow(&mut self, problem: &Problem, changed: &[Cell], progress: &Progress) -> Result<Update, Failure> {
+    /// Training, fits or systems that fail; a motion that the edited body cannot have; an interruption.
+    pub fn follow(
+        &mut self,
+        problem: &Problem,
+        (time, changed): (f64, &[Cell]),
+        progress: &Progress,
+    ) -> Result<Update, Failure> {
         let start = Instant::now();
+        let Self { model, state, .. } = self;
+        let points = with_body(model, problem, |body| body.energy_of_points(&state.displacement));
+        self.books.points = points.map_err(|error| failed(&error))?;
+        let before = self.books.stored();
         let acting = conditions(problem);
         let mut update = Update::default();
         match &mut self.model {
             Model::Fine(mechanics) => {
                 mechanics.renew(&problem.model, acting).map_err(|error| failed(&error))?;
-                self.state.carry(problem.model.grid().lattice, &self.active, problem.model.active());
+                let grid = problem.model.grid();
+                self.state.carry((grid.lattice, grid.spacing), &self.active, problem.model.active());
                 self.active = problem.model.active().to_vec();
             }
             Model::Coarse { source, mechanics } => {
                 let before = source.model().mesh().clone();
-                let dirty = match &mut **source {
+                let dirty = match source {
                     Source::Live(live) => {
                         let mut report = UpdateReport::default();
                         let told = |stage, done, total| progress.report(stage, done, total);
@@ -339,7 +411,7 @@ impl Track {
                     }
                     Source::Built(model) => {
                         let Kind::Coarse { method, .. } = self.kind else { return Ok(update) };
-                        *model = build_anew(problem, method, progress)?;
+                        **model = build_anew(problem, method, progress)?;
                         model.elements().to_vec()
                     }
                 };
@@ -347,11 +419,16 @@ impl Track {
                 update.dirty = dirty.len();
                 let renewed = mechanics.renew((&problem.model, coarse), &dirty, acting);
                 renewed.map_err(|error| failed(&error))?;
-                for field in [&mut self.state.displacement, &mut self.state.velocity] {
-                    *field = coarse.mesh().carry(&before, field);
-                }
+                self.state.carry_vertices(&before, coarse.mesh(), coarse.spacing());
             }
         }
+        self.stand(problem, time).map_err(|failure| match failure {
+            Failure::Failed(sentence) => Failure::Failed(format!(
+                "the edit leaves a motion that the body cannot have: {sentence}; edit where it is deformed less"
+            )),
+            other => other,
+        })?;
+        self.books.edited += self.books.stored() - before;
         update.seconds[2] = start.elapsed().as_secs_f64();
         (0..3).for_each(|n| self.books.updates[n] += update.seconds[n]);
         Ok(update)
@@ -378,7 +455,7 @@ fn source(
     let Some(kind) = kind else {
         let model = build_anew(problem, method, progress)?;
         books.build = [0.0, 0.0, start.elapsed().as_secs_f64()];
-        return Ok(Source::Built(model));
+        return Ok(Source::Built(Box::new(model)));
     };
     let options = LiveOptions {
         training: RunTimeTraining::Fixed(kind),
@@ -394,7 +471,7 @@ fn source(
     progress.close();
     let seconds = report.seconds;
     books.build = [seconds.training, seconds.fitting, seconds.assembly];
-    Ok(Source::Live(live.map_err(|error| failed(&error))?))
+    Ok(Source::Live(Box::new(live.map_err(|error| failed(&error))?)))
 }
 
 fn build_anew(problem: &Problem, method: Method, progress: &Progress) -> Result<CoarseModel, Failure> {

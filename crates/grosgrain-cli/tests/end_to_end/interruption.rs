@@ -6,7 +6,9 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
+use super::moving::{BAR, GRAVITY};
 use super::program::{SMALL, changed, names};
+use super::vtu::Vtu;
 
 /// Far longer than a run takes to notice, far shorter than the run itself would take.
 const PATIENCE: Duration = Duration::from_secs(15);
@@ -52,4 +54,20 @@ fn an_interrupted_reproduction_says_so_and_leaves_no_file() {
     let arguments = ["reproduce", "table1", "--degrees", "6", "-o", "out", "--json", "rows/table1.json"];
     interrupt(folder.path(), &arguments, "oblique, d = 6: fine model");
     assert!(names(folder.path()).is_empty());
+}
+
+#[test]
+fn an_interrupted_motion_leaves_whole_frames() {
+    let folder = tempfile::tempdir().unwrap();
+    let longer = ["steps = 8", "steps = 100000"];
+    let scene = format!("{}\n{GRAVITY}", changed(BAR, [longer]));
+    std::fs::write(folder.path().join("scene.toml"), scene).unwrap();
+    interrupt(folder.path(), &["simulate", "scene.toml", "-o", "out"], "building the coarse model");
+    let found = names(&folder.path().join("out"));
+    let frames: Vec<&String> = found.iter().filter(|name| name.starts_with("body_")).collect();
+    assert!(frames.len() > 3, "{found:?}");
+    assert!(found.iter().all(|name| name.ends_with(".vtu") || name.ends_with(".pvd")), "{found:?}");
+    for name in frames {
+        assert!(!Vtu::read(&folder.path().join("out").join(name)).numbers("von_mises").is_empty(), "{name}");
+    }
 }

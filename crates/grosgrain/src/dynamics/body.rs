@@ -122,6 +122,12 @@ pub trait Body {
     /// An inverted state.
     fn energies(&self, displacement: &[f64]) -> Result<Energies, Inversion>;
 
+    /// The part of Ψ(u) that springs and the ground store \[J\], [`Energies::points`].
+    ///
+    /// # Errors
+    /// An inverted state.
+    fn energy_of_points(&self, displacement: &[f64]) -> Result<f64, Inversion>;
+
     /// Sets `gradient` to ∂Ψ/∂u \[N\] and returns Ψ(u).
     ///
     /// # Errors

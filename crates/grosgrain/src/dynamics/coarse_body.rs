@@ -341,6 +341,19 @@ impl Body for CoarseBody<'_> {
         Ok(Energies { elastic: energies.elastic, loads: energies.loads, points: energies.points })
     }
 
+    fn energy_of_points(&self, displacement: &[f64]) -> Result<f64, Inversion> {
+        let CoarseMechanics { corotated, potentials, .. } = &*self.mechanics;
+        if potentials.is_empty() {
+            return Ok(0.0);
+        }
+        let mut positions = Vec::new();
+        corotated.positions(self.coarse, displacement, &mut positions)?;
+        let energy = |((point, potential), at): ((&EmbeddedPoint, &PointPotential), [f64; 3])| {
+            point.share * potential.evaluate(at).energy
+        };
+        Ok(corotated.points().iter().zip(potentials).zip(positions).map(energy).sum())
+    }
+
     fn gradient(&self, displacement: &[f64], gradient: &mut [f64]) -> Result<Energies, Inversion> {
         let CoarseMechanics { corotated, potentials, .. } = &*self.mechanics;
         gradient.fill(0.0);

@@ -3,15 +3,15 @@
 use super::newton::{Inertia, NewtonError, NewtonOptions, NewtonReport, NewtonWorkspace, minimise};
 use super::{Body, Energies, Moment, QuadraticWeights};
 
-/// The way from one static problem to the next: loads are scaled and prescribed motions go on together.
+/// The way from one static problem to the next: loads are scaled, and they and prescribed motions go on in time together.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LoadPath {
     /// Share of the loads at the start and at the end.
     pub share: [f64; 2],
     /// Time of prescribed motions at the start and at the end \[s\].
     pub time: [f64; 2],
-    /// The time \[s\] whose loads act.
-    pub loads: f64,
+    /// Time of the loads at the start and at the end \[s\].
+    pub loads: [f64; 2],
 }
 
 /// Options of [`find_equilibrium`].
@@ -129,8 +129,10 @@ fn increment(
 
 impl LoadPath {
     fn moment(&self, share: f64) -> Moment {
-        let at = |ends: [f64; 2]| if share == 1.0 { ends[1] } else { ends[0] + share * (ends[1] - ends[0]) };
-        Moment { loads: self.loads, share: at(self.share), holds: at(self.time) }
+        // Ends may be infinite: after all ramps.
+        let is_end = |ends: [f64; 2]| share == 1.0 || ends[0] == ends[1];
+        let at = |ends: [f64; 2]| if is_end(ends) { ends[1] } else { ends[0] + share * (ends[1] - ends[0]) };
+        Moment { loads: at(self.loads), share: at(self.share), holds: at(self.time) }
     }
 }
 

@@ -243,6 +243,14 @@ impl Body for FineBody<'_> {
         Ok(Energies { elastic, loads, points })
     }
 
+    fn energy_of_points(&self, displacement: &[f64]) -> Result<f64, Inversion> {
+        let FineMechanics { points, potentials, .. } = &*self.mechanics;
+        let energy = |(point, potential): (&NodePotential, &PointPotential)| {
+            potential.evaluate(self.position(point.node, displacement)).energy
+        };
+        Ok(points.iter().zip(potentials).map(energy).sum())
+    }
+
     fn gradient(&self, displacement: &[f64], gradient: &mut [f64]) -> Result<Energies, Inversion> {
         gradient.fill(0.0);
         let elastic = self.mechanics.forces.gradient(self.model, displacement, gradient)?;

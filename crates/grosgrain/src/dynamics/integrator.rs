@@ -63,7 +63,7 @@ pub struct StepReport {
     pub energies: Energies,
     /// Kinetic energy at the end \[J\].
     pub kinetic: f64,
-    /// Work of the loads during the step \[J\].
+    /// Work of the loads during the step, and what springs store more because they grow stiffer or are tied to another place \[J\].
     pub work_of_loads: f64,
     /// Work of prescribed motions during the step \[J\].
     pub work_of_holds: f64,
@@ -166,21 +166,26 @@ impl Stepper {
             Integrator::Midpoint => (true, 0.5 * step),
         };
         let moment = Moment { loads: time + length, share: 1.0, holds: time + step };
-        body.set_moment(moment).map_err(NewtonError::from)?;
         self.start.clone_from(&state.displacement);
+        let stored = body.energy_of_points(&self.start).map_err(NewtonError::Start)?;
+        body.set_moment(moment).map_err(NewtonError::from)?;
         if options.damping.stiffness > 0.0 {
             body.lag_damping(&self.start).map_err(NewtonError::Start)?;
         }
-        let loads_before = body.energies(&self.start).map_err(NewtonError::Start)?.loads;
+        let before = body.energies(&self.start).map_err(NewtonError::Start)?;
         let weights = self.set_centre(state, length);
         self.guess(body, state, (length, half), weights)?;
         let newton = self.minimise(body, weights)?;
-        self.account(body, weights, (length, half), loads_before, report)?;
-        report.energies = self.finish(body, state, (length, half), report.energies)?;
-        report.newton_iterations += newton.iterations;
-        report.linear_iterations += newton.linear_iterations;
-        report.projected += newton.projected;
-        report.relative_residual = report.relative_residual.max(newton.relative_residual);
+        let mut made = *report;
+        self.account(body, weights, (length, half), before.loads, &mut made)?;
+        made.work_of_loads += before.points - stored;
+        made.energies = self.finish(body, state, (length, half), made.energies)?;
+        made.newton_iterations += newton.iterations;
+        made.linear_iterations += newton.linear_iterations;
+        made.projected += newton.projected;
+        made.relative_residual = made.relative_residual.max(newton.relative_residual);
+        // What failed on the way is in no book.
+        *report = made;
         Ok(())
     }
 

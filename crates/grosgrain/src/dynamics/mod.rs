@@ -9,6 +9,7 @@ mod hold;
 mod hold_checks;
 mod integrator;
 mod motion;
+mod new_nodes;
 mod newton;
 mod rigid_velocity;
 mod state;

@@ -49,12 +49,14 @@ pub enum NewtonError {
         inverted: Option<Inversion>,
     },
     /// Too many steps.
-    #[error("the relative residual is still {residual:.1e} after {iterations} Newton steps")]
+    #[error("the relative residual is still {residual:.1e} after {iterations} Newton steps{}", Inverted(.inverted))]
     Iterations {
         /// Relative residual.
         residual: f64,
         /// Steps made.
         iterations: usize,
+        /// What stood in the way of the last step that was shortened, where it was an inversion.
+        inverted: Option<Inversion>,
     },
     /// A linear system was not solved.
     #[error(transparent)]
@@ -128,19 +130,22 @@ pub fn minimise(
     let mut report = NewtonReport::default();
     let mut state = workspace.evaluate(body, inertia, u).map_err(NewtonError::Start)?;
     let mut projection = Projection::Exact;
+    let mut inverted = None;
     loop {
         report.relative_residual = state.residual;
         if state.residual <= options.tolerance {
             return Ok(report);
         }
         if report.iterations == options.max_iterations {
-            return Err(NewtonError::Iterations { residual: state.residual, iterations: report.iterations });
+            let (residual, iterations) = (state.residual, report.iterations);
+            return Err(NewtonError::Iterations { residual, iterations, inverted });
         }
         let forcing = LOOSEST.min(state.residual.sqrt()).max(0.2 * options.tolerance / state.residual).min(0.5);
         let slope = workspace.find_step(body, inertia, (u, forcing), &mut projection, &mut report)?;
         report.iterations += 1;
         let before = state;
         state = workspace.search(body, inertia, (u, slope), &before)?;
+        inverted = state.inverted.or(inverted);
         if -slope <= ROUNDING * before.scale && state.residual > 0.5 * before.residual {
             report.relative_residual = state.residual;
             return Ok(report);
@@ -158,6 +163,8 @@ struct Standing {
     scale: f64,
     residual: f64,
     full_step: bool,
+    /// What longer steps would have inverted.
+    inverted: Option<Inversion>,
 }
 
 impl NewtonWorkspace {
@@ -185,6 +192,7 @@ impl NewtonWorkspace {
             scale: energies.scale() + kinetic,
             residual: if residual == 0.0 { 0.0 } else { residual / size },
             full_step: true,
+            inverted: None,
         })
     }
 
@@ -272,7 +280,7 @@ impl NewtonWorkspace {
                 Ok(after) => {
                     let rounding = ROUNDING * (before.scale + after.scale);
                     if after.objective <= before.objective + ARMIJO * share * slope + rounding {
-                        return Ok(Standing { full_step: share == 1.0, ..after });
+                        return Ok(Standing { full_step: share == 1.0, inverted, ..after });
                     }
                 }
                 Err(inversion) => inverted = inverted.or(Some(inversion)),

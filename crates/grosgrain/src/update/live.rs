@@ -151,8 +151,7 @@ impl LiveModel {
         let old = self.coarse.renew(&self.fine, changed, topology, report, progress)?;
         if let Some(old) = old {
             let mesh = self.coarse.model().mesh();
-            self.state.displacement = mesh.carry(&old, &self.state.displacement);
-            self.state.velocity = mesh.carry(&old, &self.state.velocity);
+            self.state.carry_vertices(&old, mesh, self.coarse.model().spacing());
         }
         Ok(())
     }

@@ -55,7 +55,7 @@ pub fn run(arguments: &Arguments, progress: &Progress) -> Result<(), Failure> {
         true => Method::ALL.iter().map(|(_, method)| *method).filter(|method| *method != Method::Auto).collect(),
         false => arguments.methods.clone(),
     };
-    if !problem.is_linear_static() {
+    if !problem.scene.is_linear_static() {
         return moving::run(problem, &methods, arguments.json.as_deref(), progress);
     }
     problem.tell_idle_edits(progress);

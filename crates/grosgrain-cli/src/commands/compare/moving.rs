@@ -60,7 +60,9 @@ pub fn run(mut problem: Problem, methods: &[Method], json: Option<&Path>, progre
         results::write_json(json, &rows)?;
     }
     results::print(&format!("{}\n{}", problem.scene.title, table(&rows)))?;
-    rows.iter().for_each(|row| warn_of_softness(&row.method, row.energy_ratio, progress));
+    for track in tracks.iter().skip(1) {
+        warn_of_softness(&track.kind.to_string(), track.books.ratio_of_peaks(&tracks[0].books), progress);
+    }
     outcome.stopped.map_or(Ok(()), Err)
 }
 

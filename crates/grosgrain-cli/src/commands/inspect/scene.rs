@@ -14,7 +14,7 @@ use crate::failure::Failure;
 use crate::held_parts::{check_held_parts, held_parts};
 use crate::memory;
 use crate::progress::Progress;
-use crate::quantities::{count, counted, number, triple, triple_count};
+use crate::quantities::{bytes, count, counted, number, triple, triple_count};
 use crate::scene::{Coarsening, Scene, read_scene};
 use crate::schedule::EditSchedule;
 
@@ -42,6 +42,9 @@ pub struct SceneSummary {
     steps: usize,
     direct_bytes: f64,
     iterative_bytes: f64,
+    /// Memory of the steps of the fine and of the coarse model; none where equations are linear.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    steps_bytes: Option<[f64; 2]>,
 }
 
 #[derive(Debug, Serialize)]
@@ -97,6 +100,13 @@ fn summary(scene: &Scene, body: &Body) -> Result<SceneSummary, Failure> {
         steps: EditSchedule::new(scene, grid).steps(),
         direct_bytes: memory::direct(3 * fine_nodes),
         iterative_bytes: memory::iterative(3 * fine_nodes),
+        steps_bytes: (!scene.is_linear_static()).then(|| {
+            let damped = scene.is_dynamic() && scene.time.damping.stiffness > 0.0;
+            [
+                memory::fine_steps(grid.solid_count(), fine_nodes, damped),
+                memory::coarse_steps(coarse.elements().len(), coarse_nodes, scene.coarsening.degree, damped),
+            ]
+        }),
     })
 }
 
@@ -163,7 +173,14 @@ impl SceneSummary {
         rows.push(row("fine model", model_size(self.solid_cells, self.fine_nodes, self.fine_unknowns)));
         let coarse = model_size(self.coarse_cells, self.coarse_nodes, self.coarse_unknowns);
         rows.push(row("coarse model", format!("{coarse}, at degree {}", self.degree)));
-        rows.push(memory_row(self.direct_bytes, self.iterative_bytes));
+        rows.push(match self.steps_bytes {
+            None => memory_row(self.direct_bytes, self.iterative_bytes),
+            Some([fine, coarse]) => {
+                let sentence =
+                    format!("about {} for the fine model, {} for the coarse one", bytes(fine), bytes(coarse));
+                row("memory", sentence)
+            }
+        });
         rows
     }
 }

@@ -51,7 +51,7 @@ pub fn run(arguments: &Arguments, progress: &Progress) -> Result<(), Failure> {
     let output = OutputFolder::make(&output)?;
     let folder = output.path();
     let method = problem.method(arguments.method);
-    if !problem.is_linear_static() {
+    if !problem.scene.is_linear_static() {
         return moving::run(&mut problem, method, folder, progress);
     }
     let initial = problem.fine_size();
@@ -63,7 +63,7 @@ pub fn run(arguments: &Arguments, progress: &Progress) -> Result<(), Failure> {
     let sequence = sequence::run(&mut problem, method, &schedule, progress, |problem, step| {
         let writing = Instant::now();
         if step.number % problem.scene.output.frames == 0 || step.number == schedule.steps() {
-            step.shown().map_or(Ok(()), |shown| frames.add(problem, &shown))?;
+            step.shown().map_or(Ok(0), |shown| frames.add(problem, &shown))?;
         }
         if step.number == 0 && schedule.steps() > 0 && problem.scene.output.picture {
             written.extend(draw(problem, method, &step.runs.drawn(), folder.join("picture_0000.png"), progress));

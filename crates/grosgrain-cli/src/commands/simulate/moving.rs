@@ -49,7 +49,9 @@ pub fn run(problem: &mut Problem, method: Method, folder: &Path, progress: &Prog
     results::write_json(&path, &report)?;
     written.push(path);
     results::print(&text(&report, &written))?;
-    report.error.iter().for_each(|error| warn_of_softness(&report.method, error.energy_ratio, progress));
+    if let Some(fine) = tracks.iter().skip(1).find(|track| track.kind == Kind::Fine) {
+        warn_of_softness(&report.method, tracks[0].books.ratio_of_peaks(&fine.books), progress);
+    }
     outcome.stopped.map_or(Ok(()), Err)
 }
 
@@ -78,6 +80,10 @@ struct Writer<'a> {
     worst: Option<Worst>,
     written: Vec<PathBuf>,
     unknowns: Option<usize>,
+    /// The step whose frame was added last.
+    framed: Option<usize>,
+    /// Whether the user has been told of inverted cells.
+    inverted: bool,
     seconds: f64,
     progress: &'a Progress,
 }
@@ -95,7 +101,7 @@ impl<'a> Writer<'a> {
         let output = &problem.scene.output;
         let dynamic = problem.scene.is_dynamic();
         let film = (output.animation || output.picture && dynamic).then(|| {
-            let names: Vec<String> = tracks.iter().map(|track| name_of(track.kind)).collect();
+            let names: Vec<String> = tracks.iter().map(|track| track.kind.to_string()).collect();
             let materials = problem.scene.materials.iter().map(|m| (m.label, m.name.clone(), None)).collect();
             let ground = problem.scene.contact.map(|ground| ground.z);
             let options = FilmOptions { ground, materials, ..FilmOptions::default() };
@@ -111,6 +117,8 @@ impl<'a> Writer<'a> {
             worst: None,
             written: Vec::new(),
             unknowns,
+            framed: None,
+            inverted: false,
             seconds: 0.0,
             progress,
         }
@@ -119,7 +127,9 @@ impl<'a> Writer<'a> {
     fn add(&mut self, problem: &Problem, step: &TrackStep<'_>) -> Result<(), Failure> {
         let start = Instant::now();
         let output = &problem.scene.output;
-        if step.number % output.frames == 0 || step.last {
+        // A run that ends early shows its last step again.
+        if (step.number.is_multiple_of(output.frames) || step.last) && self.framed != Some(step.number) {
+            self.framed = Some(step.number);
             self.add_frame(problem, step)?;
             if let Some(film) = &mut self.film {
                 for (n, displacement) in step.displacements.iter().enumerate() {
@@ -130,7 +140,7 @@ impl<'a> Writer<'a> {
                 }
             }
         }
-        if output.picture && step.number == 0 {
+        if output.picture && step.number == 0 && self.last.is_empty() {
             let path = self.folder.join("picture_0000.png");
             self.written.extend(draw(
                 problem,
@@ -173,7 +183,20 @@ impl<'a> Writer<'a> {
             reference: step.displacements.get(1).map(Vec::as_slice),
             coarse,
         };
-        self.frames.add(problem, &shown)
+        let inverted = self.frames.add(problem, &shown)?;
+        if inverted > 0 && !self.inverted {
+            self.inverted = true;
+            self.progress.warn(&format!(
+                "step {}: {} inside out, where von_mises is written as zero; use smaller steps, a smaller degree or integration = \"gauss\", \
+                 or model = \"neo-hookean\", which never lets a cell invert",
+                step.number,
+                match inverted {
+                    1 => "1 cell is".to_owned(),
+                    many => format!("{} cells are", count(many)),
+                }
+            ));
+        }
+        Ok(())
     }
 
     fn drawn<'d>(&self, displacements: &'d [Vec<f64>], error: Option<f64>, remark: &'d str) -> Drawn<'d> {
@@ -206,7 +229,7 @@ impl<'a> Writer<'a> {
             }
             written.extend(charts(problem, outcome, self.folder, progress));
         }
-        if let Some(film) = &self.film {
+        if let Some(film) = self.film.as_ref().filter(|_| !self.last.is_empty()) {
             progress.say("drawing the film");
             if problem.scene.output.picture {
                 written.extend(keep_or_warn(film.write_strip(&self.folder.join("film.png"), COLUMNS), progress));
@@ -218,15 +241,6 @@ impl<'a> Writer<'a> {
         }
         self.seconds += start.elapsed().as_secs_f64();
         Ok(written)
-    }
-}
-
-/// What a run is called beside others.
-fn name_of(kind: Kind) -> String {
-    match kind {
-        Kind::Fine => "fine".into(),
-        Kind::Coarse { method, update: true } => format!("coarse, {method}"),
-        Kind::Coarse { method, update: false } => format!("coarse, {method}, no update"),
     }
 }
 
@@ -262,17 +276,17 @@ fn charts(problem: &Problem, outcome: &Outcome, folder: &Path, progress: &Progre
         let series = vec![Series { name: "coarse".into(), points: errors }];
         written.extend(chart("error", "RMS error against the fine model [%]", series, "error.png"));
     }
-    let motion = |pick: &dyn Fn(&report::Frame, &report::Motion) -> f64| -> Vec<[f64; 2]> {
-        frames.iter().filter_map(|frame| Some([frame.time, pick(frame, frame.motion.as_ref()?)])).collect()
-    };
     if problem.scene.is_dynamic() {
-        let curves: [(&str, &dyn Fn(&report::Frame, &report::Motion) -> f64); 4] = [
-            ("elastic", &|frame, _| frame.energy),
-            ("kinetic", &|_, motion| motion.kinetic),
-            ("work put in", &|_, motion| motion.work),
-            ("dissipated", &|_, motion| motion.dissipated),
+        let curve = |name: &str, pick: fn(&report::Frame, &report::Motion) -> f64| {
+            let point = |frame: &report::Frame| Some([frame.time, pick(frame, frame.motion.as_ref()?)]);
+            Series { name: name.into(), points: frames.iter().filter_map(point).collect() }
+        };
+        let series = vec![
+            curve("elastic", |frame, _| frame.energy),
+            curve("kinetic", |_, motion| motion.kinetic),
+            curve("work put in", |_, motion| motion.work),
+            curve("dissipated", |_, motion| motion.dissipated),
         ];
-        let series = curves.map(|(name, pick)| Series { name: name.into(), points: motion(pick) }).to_vec();
         written.extend(chart("energies", "energy [J]", series, "energy.png"));
     }
     written
@@ -354,9 +368,11 @@ fn text(report: &Report, written: &[PathBuf]) -> String {
     }
     rows.push(row("fine model", format!("{} unknowns", count(report.fine.unknowns))));
     for steps in &report.steps {
-        let faster = steps
-            .speed_up
-            .map_or(String::new(), |s| format!(", {} times faster than fine", number((10.0 * s).round() / 10.0)));
+        let times = |s: f64| number((10.0 * s).round() / 10.0);
+        let faster = steps.speed_up.map_or(String::new(), |s| match s < 1.0 {
+            true => format!(", {} times slower than fine", times(1.0 / s)),
+            false => format!(", {} times faster than fine", times(s)),
+        });
         let value = format!(
             "{} in {} each{faster}; {:.1} Newton steps each",
             count(steps.steps),
