@@ -9,5 +9,6 @@ mod readme;
 mod refused_runs;
 mod reproduce;
 mod reproduce_arguments;
+mod reproduce_moving;
 mod scenes;
 mod tables;
