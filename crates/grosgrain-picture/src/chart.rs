@@ -30,7 +30,7 @@ pub struct Chart {
 pub struct Event {
     /// Where on the horizontal axis.
     pub at: f64,
-    /// What: `cut 1`.
+    /// What: `cut 1`; empty for a line alone.
     pub label: String,
 }
 
@@ -160,7 +160,7 @@ impl Chart {
         let mut order: Vec<usize> = (0..self.events.len()).collect();
         order.sort_by(|a, b| self.events[*a].at.total_cmp(&self.events[*b].at));
         let mut rows = vec![0; self.events.len()];
-        for event in order {
+        for event in order.into_iter().filter(|event| !self.events[*event].label.is_empty()) {
             let [start, end] = self.event_span(theme, x, (left, width), event);
             let free = ends.iter().position(|e| *e < start).unwrap_or(ends.len()).min(MOST_EVENT_ROWS - 1);
             ends.resize(ends.len().max(free + 1), f32::NEG_INFINITY);

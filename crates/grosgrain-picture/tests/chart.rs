@@ -85,6 +85,19 @@ fn an_event_is_a_dashed_line_at_its_place_and_its_labels_stand_apart() -> Result
 }
 
 #[test]
+fn an_event_without_a_label_moves_no_label_and_no_plot() -> Result<(), PictureError> {
+    let mut named = chart((0..=50).map(|i| [f64::from(i) / 50.0, 0.5]).collect(), false);
+    named.events = vec![Event { at: 0.5, label: "a long label".into() }];
+    let mut both = named.clone();
+    both.events.push(Event { at: 0.53, label: String::new() });
+    let (before, after) = (named.render()?, both.render()?);
+    let differs = |x: &usize| (0..before.height()).any(|y| before.pixel(*x, y) != after.pixel(*x, y));
+    let columns: Vec<usize> = (0..before.width()).filter(differs).collect();
+    assert!(!columns.is_empty() && columns.last() < columns.first().map(|x| x + 10).as_ref(), "{columns:?}");
+    Ok(())
+}
+
+#[test]
 fn an_event_without_a_place_is_refused() {
     let mut chart = chart(vec![[1.0, 2.0]], true);
     chart.events = vec![Event { at: -1.0, label: "cut".into() }];

@@ -71,3 +71,16 @@ fn an_interrupted_motion_leaves_whole_frames() {
         assert!(!Vtu::read(&folder.path().join("out").join(name)).numbers("von_mises").is_empty(), "{name}");
     }
 }
+
+#[test]
+fn an_interrupted_figure_of_motion_says_so_and_leaves_no_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let motion = "degree = 2\n[time]\nmode = \"dynamic\"\nstep = 0.01\nsteps = 1000000";
+    std::fs::write(folder.path().join("fig1-beam.toml"), changed(SMALL, [["degree = 2", motion]])).unwrap();
+    interrupt(
+        folder.path(),
+        &["reproduce", "fig1", "--scenes", ".", "-o", "out", "--json", "rows/fig1.json"],
+        "steps:",
+    );
+    assert_eq!(names(folder.path()), ["fig1-beam.toml"]);
+}

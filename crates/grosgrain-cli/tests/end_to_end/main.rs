@@ -10,6 +10,7 @@ mod readme;
 mod refused_runs;
 mod reproduce;
 mod reproduce_arguments;
+mod reproduce_moving;
 mod scenes;
 mod stopped;
 mod tables;

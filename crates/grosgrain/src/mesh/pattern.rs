@@ -344,7 +344,7 @@ mod tests {
 
     #[test]
     fn parameters_that_make_no_pattern_are_refused_and_leave_the_grid() {
-        let mut grid = VoxelGrid::uniform([2; 3], [1.0; 3], Label(5));
+        let mut body = VoxelGrid::uniform([2; 3], [1.0; 3], Label(5));
         let labels = AB.to_vec();
         let layers = |direction, period, labels| Pattern::Layers { direction, period, labels };
         let random = |fractions| Pattern::Random { seed: 0, size: 1, labels: AB.to_vec(), fractions: Some(fractions) };
@@ -362,9 +362,9 @@ mod tests {
             (random(vec![0.7, 0.7]), "must sum to 1"),
             (random(vec![1.5, -0.5]), "must not be negative"),
         ] {
-            let message = pattern.paint(&mut grid).unwrap_err().to_string();
+            let message = pattern.paint(&mut body).unwrap_err().to_string();
             assert!(message.contains(part), "{message}");
         }
-        assert_eq!(grid.labels, vec![Label(5); 8]);
+        assert_eq!(body.labels, vec![Label(5); 8]);
     }
 }

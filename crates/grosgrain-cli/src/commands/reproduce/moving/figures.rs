@@ -30,7 +30,7 @@ impl Body {
 pub struct Figures {
     /// The fine body at the beginning.
     pub body: Body,
-    /// Cells of the coarse model at the beginning would do; these are its unknowns at the end.
+    /// Unknowns of the coarse model at the end.
     pub coarse_unknowns: usize,
     /// Coarsening degree.
     pub degree: usize,
@@ -89,10 +89,11 @@ pub struct Updates {
 
 impl Errors {
     fn of(outcome: &Outcome, track: usize, energy_ratio: f64) -> Self {
-        let errors: Vec<f64> = outcome.errors.iter().filter_map(|errors| errors[track]).collect();
+        // At the start nothing has moved.
+        let errors: Vec<f64> = outcome.errors.iter().skip(1).filter_map(|errors| errors[track]).collect();
         let mean = errors.iter().sum::<f64>() / errors.len() as f64;
         Self {
-            end: outcome.errors.last().and_then(|errors| errors[track]),
+            end: outcome.errors.iter().skip(1).next_back().and_then(|errors| errors[track]),
             mean: mean.is_finite().then_some(mean),
             worst: errors.iter().copied().reduce(f64::max),
             energy_ratio: energy_ratio.is_finite().then_some(energy_ratio),

@@ -64,7 +64,7 @@ impl<'a> Recorder<'a> {
         for (row, model) in ROWS.into_iter().enumerate() {
             let n = track(model);
             self.film.record(row, step.time, &problem.model, &step.displacements[n]);
-            if let Some(error) = step.errors[n] {
+            if let Some(error) = step.errors[n].filter(|_| step.number > 0) {
                 self.film.set_note(row, format!("error {error:.1} %"));
             }
         }
@@ -83,9 +83,8 @@ impl<'a> Recorder<'a> {
         written.extend(keep_or_warn(film.write_strip(&file(""), COLUMNS), progress));
         written.extend(keep_or_warn(film.write_animation(&file("-animated")), progress));
         written.extend(keep_or_warn(error_chart(problem, example, outcome, &file("-error")), progress).flatten());
-        match scans {
-            Some(scans) => written.extend(scans.write(problem, example, folder, progress)?),
-            None => {}
+        if let Some(scans) = scans {
+            written.extend(scans.write(problem, example, folder, progress)?);
         }
         Ok(written)
     }
@@ -99,7 +98,7 @@ fn error_chart(
     file: &Path,
 ) -> Result<Option<PathBuf>, Failure> {
     let curve = |model: Model| {
-        let points = outcome.times.iter().zip(&outcome.errors);
+        let points = outcome.times.iter().zip(&outcome.errors).skip(1);
         let points = points.filter_map(|(time, errors)| Some([*time, errors[track(model)]?]));
         Series { name: model.name().into(), points: points.collect() }
     };

@@ -23,6 +23,9 @@ use crate::tracks::TrackStep;
 /// The models whose scans are shown, as in the paper.
 const ROWS: [Model; 2] = [Model::Fine, Model::WithUpdate];
 
+/// Drawing a scan takes about as long as a step, so no more are drawn.
+const MOST_FRAMES: usize = 31;
+
 /// The steps of a body that comes from a scan.
 pub struct ScanRecorder {
     body: ScannedBody,
@@ -55,7 +58,7 @@ impl ScanRecorder {
             time: step.time,
             model: Arc::clone(&self.model),
             displacements: ROWS.map(of),
-            error: step.errors[track(Model::WithUpdate)],
+            error: step.errors[track(Model::WithUpdate)].filter(|_| step.number > 0),
         });
     }
 
@@ -76,10 +79,11 @@ impl ScanRecorder {
         let film = ScanFilm::new(&problem.scene.title, &names, look, self.room());
         let Some(mut film) = keep_or_warn(film, progress) else { return Ok(Vec::new()) };
         let mut written = Vec::new();
-        for (n, frame) in self.frames.iter().enumerate() {
+        let shown = self.shown();
+        for (n, frame) in shown.iter().enumerate() {
             interruption::check()?;
-            progress.report("drawing scans", n + 1, self.frames.len());
-            let last = n + 1 == self.frames.len();
+            progress.report("drawing scans", n + 1, shown.len());
+            let last = n + 1 == shown.len();
             for row in 0..ROWS.len() {
                 let Some(scan) = keep_or_warn(self.scan(frame, row), progress) else { continue };
                 if keep_or_warn(film.record(row, frame.time, &scan), progress).is_none() {
@@ -100,6 +104,12 @@ impl ScanRecorder {
         written.extend(keep_or_warn(film.write_strip(&file(""), COLUMNS), progress));
         written.extend(keep_or_warn(film.write_animation(&file("-animated")), progress));
         Ok(written)
+    }
+
+    /// The frames that are drawn, evenly picked, the first and the last among them.
+    fn shown(&self) -> Vec<&Frame> {
+        let (count, last) = (self.frames.len().min(MOST_FRAMES), self.frames.len().saturating_sub(1));
+        (0..count).map(|n| &self.frames[(n * last).checked_div(count - 1).unwrap_or(last)]).collect()
     }
 
     fn scan(&self, frame: &Frame, row: usize) -> Result<DeformedScan, Failure> {
