@@ -80,7 +80,7 @@ impl UpdateCase {
 }
 
 /// The CT of the torso scene, on 48 × 48 × 36 voxels.
-fn trunk() -> Outcome<VoxelGrid> {
+pub fn trunk() -> Outcome<VoxelGrid> {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/ct_torso/example_ct.nii.gz");
     let volume = read_volume(&file)?;
     let rule =

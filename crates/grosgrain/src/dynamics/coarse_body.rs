@@ -17,7 +17,7 @@ use crate::linalg::norm;
 use crate::material::Projection;
 use crate::mesh::Node;
 use crate::partition::CellPart;
-use crate::solver::ElementTangent;
+use crate::solver::{ElementCells, ElementTangent, FACTOR_LIMIT};
 
 /// What the coarse model needs to move. Kept from step to step and across edits; the models are borrowed while steps are made
 /// ([`on`](Self::on)).
@@ -32,6 +32,7 @@ pub struct CoarseMechanics {
     solver: ElementTangent,
     /// The mesh that the solver was made for.
     corners: Vec<[u32; 8]>,
+    elements: Vec<CellPart>,
     constraints: Constraints,
     /// Which fine nodes are held; decides the constraints.
     fixed: Vec<bool>,
@@ -84,8 +85,9 @@ impl CoarseMechanics {
             corotated: Corotated::new(fine, coarse, integration),
             tangents: vec![[0.0; 576]; mesh.elements().len()],
             lagged: Vec::new(),
-            solver: ElementTangent::new(mesh.elimination_order(), mesh.corners())?,
+            solver: solver(coarse)?,
             corners: mesh.corners().to_vec(),
+            elements: mesh.elements().to_vec(),
             constraints: Constraints::none(vertices),
             fixed: vec![false; fine.grid().lattice.node_count()],
             held: vec![0.0; 3 * vertices],
@@ -119,11 +121,12 @@ impl CoarseMechanics {
         let mesh = coarse.mesh();
         let vertices = mesh.vertices().len();
         self.corotated.renew(fine, coarse, dirty);
-        if self.corners != mesh.corners() {
+        if self.corners != mesh.corners() || self.elements != mesh.elements() {
             self.corners = mesh.corners().to_vec();
+            self.elements = mesh.elements().to_vec();
             self.tangents.resize(mesh.elements().len(), [0.0; 576]);
             self.lagged.clear();
-            self.solver = ElementTangent::new(mesh.elimination_order(), mesh.corners())?;
+            self.solver = solver(coarse)?;
         }
         self.nodes = conditions.node_potentials(fine);
         self.conditions = conditions;
@@ -202,6 +205,14 @@ impl CoarseMechanics {
     ) -> Result<Vec<f64>, Inversion> {
         Ok(self.corotated.prolong(coarse, embedding, displacement)?)
     }
+}
+
+/// A solver for the mesh of `coarse`: with a factor or, for many unknowns, a multigrid cycle.
+fn solver(coarse: &CoarseModel) -> Result<ElementTangent, TangentError> {
+    let mesh = coarse.mesh();
+    let cells = mesh.elements().iter().map(|element| element.cell.0 as u32).collect();
+    let place = ElementCells { lattice: coarse.partition().coarse(), spacing: coarse.spacing(), cells };
+    Ok(ElementTangent::on_lattice(mesh.elimination_order(), mesh.corners(), place, FACTOR_LIMIT)?)
 }
 
 impl Potential for PointPotential {
@@ -368,6 +379,7 @@ impl Body for CoarseBody<'_> {
                 (0..24).for_each(|i| tangent[25 * i] += weights.mass * masses[i / 3]);
             }
         }
+        // Lagged: the preconditioner stays until the solver's books of iterations speak for a new one.
         Ok(solver.update(|element| &tangents[element], constraints, true)?)
     }
 
