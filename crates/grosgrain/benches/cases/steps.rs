@@ -1,9 +1,9 @@
 //! Steps in time of the papers' moving bodies, fine and coarse.
 
-use grosgrain::coarse::{BuildOptions, CoarseModel, Integration, Method, build};
+use grosgrain::coarse::{BuildOptions, CoarseModel, Embedding, Integration, Method, build};
 use grosgrain::dynamics::{
-    CoarseMechanics, Conditions, FineMechanics, Hold, Holds, Motion, Ramp, Schedule, State, StepOptions, StepReport,
-    Stepper, TimedLoad, Twist,
+    Body, CoarseMechanics, Conditions, FineMechanics, Hold, Holds, Motion, Ramp, Schedule, State, StepOptions,
+    StepReport, Stepper, TimedLoad, Twist,
 };
 use grosgrain::fine::{FineModel, gravity};
 use grosgrain::material::{Elasticity, IsotropicMaterial, Law, Material, MaterialTable};
@@ -12,7 +12,7 @@ use grosgrain::progress::silent;
 use grosgrain::training::TrainingKind;
 
 use super::Outcome;
-use super::updates::trunk;
+use super::updates::trunk_on;
 
 /// Acceleration of gravity [m/s²].
 const GRAVITY: f64 = 9.81;
@@ -57,11 +57,20 @@ impl MovingBody {
         Ok(Self { name: "plate", fine, degree: 4, training: TrainingKind::OneRing, conditions, step: 0.01 })
     }
 
-    /// The trunk from a CT on 48 × 48 × 36 voxels, 0.1 and 100 MPa, held where the scan ends, in coarse cells of degree 2.
+    /// The trunk from a CT on 48 × 48 × 36 voxels, 0.1 and 100 MPa, held where the scan ends, under its weight, in coarse cells of degree 2.
     pub fn trunk() -> Outcome<Self> {
-        let fine = FineModel::new(trunk()?, &two([1e5, 1e8], 1500.0)?)?;
-        let conditions = hanging(&fine, 2, [0.0, GRAVITY, 0.0]);
-        Ok(Self { name: "trunk", fine, degree: 2, training: TrainingKind::OneRing, conditions, step: 0.01 })
+        Self::trunk_of("trunk", [48, 48, 36], 2, 1.0)
+    }
+
+    /// The same on 36 × 30 × 34 voxels in coarse cells of degree 3, its weight multiplied by `load`.
+    pub fn torso(name: &'static str, load: f64) -> Outcome<Self> {
+        Self::trunk_of(name, [36, 30, 34], 3, load)
+    }
+
+    fn trunk_of(name: &'static str, cells: [usize; 3], degree: usize, load: f64) -> Outcome<Self> {
+        let fine = FineModel::new(trunk_on(cells)?, &two([1e5, 1e8], 1500.0)?)?;
+        let conditions = hanging(&fine, 2, [0.0, load * GRAVITY, 0.0]);
+        Ok(Self { name, fine, degree, training: TrainingKind::OneRing, conditions, step: 0.01 })
     }
 
     /// Its coarse model.
@@ -108,6 +117,30 @@ pub struct Steps<'a> {
 }
 
 impl Steps<'_> {
+    /// Number of unknowns, held ones included.
+    pub fn unknowns(&self) -> usize {
+        self.state.displacement.len()
+    }
+
+    /// Lets the body, and the motion, be used.
+    pub fn with_body<T>(&mut self, act: impl FnOnce(&mut dyn Body, &mut State) -> T) -> T {
+        let Self { body, mechanics, state, .. } = self;
+        match mechanics {
+            Mechanics::Fine(mechanics) => act(&mut mechanics.on(&body.fine), state),
+            Mechanics::Coarse(coarse, mechanics) => act(&mut mechanics.on(&body.fine, coarse), state),
+        }
+    }
+
+    /// Displacement of the fine nodes.
+    pub fn fine_displacement(&self) -> Outcome<Vec<f64>> {
+        match &self.mechanics {
+            Mechanics::Fine(_) => Ok(self.state.displacement.clone()),
+            Mechanics::Coarse(coarse, mechanics) => {
+                Ok(mechanics.prolong(coarse, &Embedding::new(coarse), &self.state.displacement)?)
+            }
+        }
+    }
+
     /// Makes the next step.
     pub fn advance(&mut self) -> Outcome<StepReport> {
         let Self { body, mechanics, state, stepper, made } = self;

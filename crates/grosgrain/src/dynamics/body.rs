@@ -122,6 +122,12 @@ pub trait Body {
     /// An inverted state.
     fn energies(&self, displacement: &[f64]) -> Result<Energies, Inversion>;
 
+    /// The part of Ψ(u) that the loads have \[J\].
+    ///
+    /// # Errors
+    /// An inverted state.
+    fn load_energy(&self, displacement: &[f64]) -> Result<f64, Inversion>;
+
     /// Sets `gradient` to ∂Ψ/∂u \[N\] and returns Ψ(u).
     ///
     /// # Errors

@@ -34,8 +34,8 @@ pub struct CoarseMechanics {
     corners: Vec<[u32; 8]>,
     elements: Vec<CellPart>,
     constraints: Constraints,
-    /// Which fine nodes are held; decides the constraints.
-    fixed: Vec<bool>,
+    /// Which holds act: what `constraints` were made for.
+    acting: Vec<bool>,
     /// Displacement of held vertices; others zero.
     held: Vec<f64>,
     loads: Vec<f64>,
@@ -89,7 +89,7 @@ impl CoarseMechanics {
             corners: mesh.corners().to_vec(),
             elements: mesh.elements().to_vec(),
             constraints: Constraints::none(vertices),
-            fixed: vec![false; fine.grid().lattice.node_count()],
+            acting: Vec::new(),
             held: vec![0.0; 3 * vertices],
             loads: vec![0.0; 3 * fine.grid().lattice.node_count()],
             load_norm: 0.0,
@@ -131,7 +131,7 @@ impl CoarseMechanics {
         self.nodes = conditions.node_potentials(fine);
         self.conditions = conditions;
         self.constraints = Constraints::none(vertices);
-        self.fixed.fill(false);
+        self.acting.clear();
         self.held = vec![0.0; 3 * vertices];
         self.shares = vec![f64::NAN];
         self.penalties.clear();
@@ -233,12 +233,11 @@ impl From<CorotatedError> for Inversion {
 
 impl CoarseBody<'_> {
     /// Finds which vertices are held and which nodes by penalty, for the marked fine nodes.
-    fn hold(&mut self, fixed: Vec<bool>) {
+    fn hold(&mut self, fixed: &[bool]) {
         let m = &mut *self.mechanics;
-        let supported = SupportedCoarse::new(self.coarse, &Embedding::new(self.coarse), &fixed);
+        let supported = SupportedCoarse::new(self.coarse, &Embedding::new(self.coarse), fixed);
         m.penalties = supported.penalty_points().to_vec();
         m.constraints = supported.constraints;
-        m.fixed = fixed;
         let kept: Vec<PointPotential> = std::mem::take(&mut m.settled);
         m.place_points(self.coarse);
         // Points of nodes come first and are the same as before.
@@ -322,9 +321,11 @@ impl Body for CoarseBody<'_> {
 
     fn set_moment(&mut self, moment: Moment) -> Result<(), TangentError> {
         let holds = &self.mechanics.conditions.holds;
-        let fixed = holds.fixed_at(moment.holds, self.mechanics.fixed.len());
-        if fixed != self.mechanics.fixed {
-            self.hold(fixed);
+        if !holds.acting_at(moment.holds).eq(self.mechanics.acting.iter().copied()) {
+            let acting = holds.acting_at(moment.holds).collect();
+            let fixed = holds.fixed_at(moment.holds, self.fine.grid().lattice.node_count());
+            self.hold(&fixed);
+            self.mechanics.acting = acting;
         }
         self.move_held(moment.holds);
         self.set_loads(moment);
@@ -350,6 +351,10 @@ impl Body for CoarseBody<'_> {
         let CoarseMechanics { corotated, potentials, .. } = &*self.mechanics;
         let energies = corotated.energy(self.coarse, displacement, potentials)?;
         Ok(Energies { elastic: energies.elastic, loads: energies.loads, points: energies.points })
+    }
+
+    fn load_energy(&self, displacement: &[f64]) -> Result<f64, Inversion> {
+        Ok(self.mechanics.corotated.load_energy(self.coarse, displacement)?)
     }
 
     fn gradient(&self, displacement: &[f64], gradient: &mut [f64]) -> Result<Energies, Inversion> {
