@@ -4,10 +4,10 @@
 //! cargo run --release -p grosgrain --example falling_beam -- 10000
 //! ```
 //!
-//! Prints energies, memory, and time per step, and checks the books of energy. Before the beam touches the ground backward Euler takes mechanical
-//! energy out of every step. On the ground a step can report a little more than the one before: the limit of friction is the
-//! normal force of the last iterate, and the energy that a hold stores under its new limit is not the one under the old. So what is
-//! checked there is that no step has more energy than the beam had at the start.
+//! Prints energies, memory, and time per step, and checks that no step of backward Euler adds mechanical energy, that of the weight and of the
+//! ground included. In flight this follows where the energy is convex along the step. On the ground nothing guarantees it: the limit of friction is the normal
+//! force of the last iterate, so that a step may begin with another friction energy than the last one ended with. It holds here, because the beam
+//! loses far more by the impact.
 
 use std::error::Error;
 use std::time::Instant;
@@ -28,7 +28,7 @@ const DEGREE: usize = 4;
 const STEP: f64 = 0.005;
 /// Height of the fall [m].
 const FALL: f64 = 0.1;
-/// Relative energy that counts as rounding, and what the tolerance of a step leaves.
+/// Gain of a step over the energy of the fall that counts as rounding.
 const SLACK: f64 = 1e-9;
 
 /// What came out of a run.
@@ -38,10 +38,6 @@ pub struct Outcome {
     pub landing: Option<usize>,
     /// Largest gain of mechanical energy in a step of the fall, and in one on the ground, over the energy of the fall.
     pub gains: [f64; 2],
-    /// Steps on the ground with a gain beyond the slack.
-    pub gaining: usize,
-    /// Largest mechanical energy over that at the start.
-    pub peak: f64,
     /// Kinetic energy at the end over the energy of the fall.
     pub motion_left: f64,
 }
@@ -50,7 +46,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let steps = std::env::args().nth(1).map_or(Ok(10_000), |a| a.parse())?;
     let outcome = run(steps, true)?;
     println!("{outcome:?}");
-    if outcome.gains[0] > SLACK || outcome.peak > 1.0 + SLACK {
+    if outcome.gains.iter().any(|gain| *gain > SLACK) {
         return Err("the beam has gained energy".into());
     }
     Ok(())
@@ -96,7 +92,6 @@ pub fn run(steps: usize, talk: bool) -> Result<Outcome, Box<dyn Error>> {
     let start = simulation.state().kinetic_energy(simulation.coarse().mass());
     let (mut before, mut outcome) = (start, Outcome::default());
     let clock = Instant::now();
-    let mut peak = start;
     for step in 1..=steps {
         let report = simulation.step(STEP)?;
         let now = report.kinetic + report.energies.total();
@@ -107,8 +102,6 @@ pub fn run(steps: usize, talk: bool) -> Result<Outcome, Box<dyn Error>> {
         let on_ground = outcome.landing.is_some();
         let worst = &mut outcome.gains[usize::from(on_ground)];
         *worst = worst.max(gain);
-        outcome.gaining += usize::from(on_ground && gain > SLACK);
-        peak = peak.max(now);
         outcome.motion_left = report.kinetic / fall;
         before = now;
         if talk && [1, 10, 100, 1_000, 2_000, 5_000, 10_000].contains(&step) {
@@ -123,7 +116,6 @@ pub fn run(steps: usize, talk: bool) -> Result<Outcome, Box<dyn Error>> {
             );
         }
     }
-    outcome.peak = 1.0 + (peak - start) / fall;
     Ok(outcome)
 }
 

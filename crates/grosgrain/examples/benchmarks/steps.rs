@@ -9,8 +9,10 @@ use super::machine::Machine;
 use super::measure::{Effort, MILLI, Spread, digits};
 use super::table::Table;
 
+type Make = fn() -> Outcome<MovingBody>;
+
 /// A body, and the time we allow for a coarse step by the stiffness [ms] or, for the last one, the speed-up over fine that we ask for.
-const BODIES: [(fn() -> Outcome<MovingBody>, &str); 3] =
+const BODIES: [(Make, &str); 3] =
     [(MovingBody::beam, "≤ 5 ms"), (MovingBody::plate, "≤ 10 ms"), (MovingBody::trunk, "30 × fine")];
 
 const KINDS: [(&str, Option<Integration>); 4] = [

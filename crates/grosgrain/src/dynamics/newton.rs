@@ -117,7 +117,7 @@ const LOOSEST: f64 = 0.1;
 /// The minimum near `u`, whose prescribed components are already in place; `start` is how [`NewtonWorkspace::evaluate`] has found it.
 ///
 /// Steps with the exact Hessian where it is positive definite and with the projected one where it is not; linear systems are solved to
-/// min(0.1, √r) of the relative residual r; steps are halved until the energy falls and no cell is inverted. Where the
+/// min(0.1, √r) of the relative residual r, no further than to 0.4 of the tolerance; steps are halved until the energy falls and no cell is inverted. Where the
 /// energy can fall by no more than rounding and the residual stays, the iteration ends too: rounding keeps it above the tolerance.
 ///
 /// # Errors

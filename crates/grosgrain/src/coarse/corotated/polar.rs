@@ -27,8 +27,9 @@ impl Polar {
     /// far from a rotation times a number.
     pub fn by_iteration(gradient: &Matrix3) -> Option<Self> {
         let size = gradient.iter().flatten().map(|a| a * a).sum::<f64>() / 3.0;
-        // Written so that not-a-number is refused too.
-        if !(determinant(gradient) > REGULAR * size * size.sqrt()) {
+        // Not-a-number is refused too.
+        let is_regular = determinant(gradient) > REGULAR * size * size.sqrt();
+        if !is_regular {
             return None;
         }
         let scale = 1.0 / size.sqrt();
