@@ -7,6 +7,7 @@ pub mod fitting;
 pub mod forces;
 pub mod harmonic;
 pub mod lattice;
+pub mod steps;
 pub mod updates;
 
 use std::time::Duration;

@@ -40,7 +40,7 @@ impl UpdateCase {
     /// A trunk from a CT, 48 × 48 × 36 voxels of two materials (0.1 and 100 MPa) in coarse cells of degree 2, in which a blade opens and closes
     /// a slit one voxel wide: 40 coarse cells change, which makes 216 dirty.
     pub fn trunk(training: RunTimeTraining) -> Outcome<Self> {
-        let grid = trunk()?;
+        let grid = trunk_on([48, 48, 36])?;
         let partition = Partition::new(grid.lattice, 2)?;
         let slit = slit(&grid, &partition).ok_or("the trunk has no place for the slit")?;
         let mut table = MaterialTable::new();
@@ -79,15 +79,15 @@ impl UpdateCase {
     }
 }
 
-/// The CT of the torso scene, on 48 × 48 × 36 voxels.
-fn trunk() -> Outcome<VoxelGrid> {
+/// The CT of the torso scene, on so many voxels.
+pub fn trunk_on(cells: [usize; 3]) -> Outcome<VoxelGrid> {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/ct_torso/example_ct.nii.gz");
     let volume = read_volume(&file)?;
     let rule =
         |label: i32, below: Option<f64>, void: bool| LabelRule { label: Label(label), below, values: None, void };
     let rules = [rule(0, Some(-300.0), true), rule(1, Some(150.0), false), rule(2, None, false)];
     let grid = label_by_rules(&volume, &rules, volume.spacing.ok_or("the CT has no spacing")?)?;
-    let mut grid = resample(&grid, [48, 48, 36], &[Label(0), Label(1), Label(2)])?;
+    let mut grid = resample(&grid, cells, &[Label(0), Label(1), Label(2)])?;
     keep_largest(&mut grid);
     Ok(grid)
 }

@@ -18,6 +18,7 @@ mod fitting;
 mod lattice;
 mod machine;
 mod measure;
+mod steps;
 mod table;
 mod threads;
 mod training;
@@ -84,5 +85,8 @@ fn page(effort: &Effort) -> Outcome<String> {
     let threads = threads::section(effort)?;
     stage("updates");
     let updates = updates::section(effort)?;
-    Ok([INTRODUCTION.to_owned(), machine.section(), fitting, training, updates, lattice, coarse, threads].join("\n"))
+    stage("steps in time");
+    let steps = steps::section(&machine, effort)?;
+    Ok([INTRODUCTION.to_owned(), machine.section(), fitting, training, updates, steps, lattice, coarse, threads]
+        .join("\n"))
 }

@@ -10,6 +10,10 @@ pub struct Effort {
     pub largest_simplicial: usize,
     pub lattices: &'static [usize],
     pub iterative: &'static [usize],
+    /// Steps in time of the coarse and of the fine model of a body.
+    pub steps: [usize; 2],
+    /// Whether the largest moving body is stepped.
+    pub largest_motion: bool,
 }
 
 impl Effort {
@@ -21,6 +25,8 @@ impl Effort {
             largest_simplicial: 4,
             lattices: &[16, 24, 32],
             iterative: &[32, 64],
+            steps: [60, 20],
+            largest_motion: true,
         }
     }
 
@@ -32,6 +38,8 @@ impl Effort {
             largest_simplicial: 2,
             lattices: &[4],
             iterative: &[8],
+            steps: [3, 2],
+            largest_motion: false,
         }
     }
 }

@@ -128,6 +128,12 @@ pub trait Body {
     /// An inverted state.
     fn energy_of_points(&self, displacement: &[f64]) -> Result<f64, Inversion>;
 
+    /// The part of Ψ(u) that the loads have \[J\].
+    ///
+    /// # Errors
+    /// An inverted state.
+    fn load_energy(&self, displacement: &[f64]) -> Result<f64, Inversion>;
+
     /// Sets `gradient` to ∂Ψ/∂u \[N\] and returns Ψ(u).
     ///
     /// # Errors

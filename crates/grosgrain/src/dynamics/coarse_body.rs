@@ -17,7 +17,7 @@ use crate::linalg::norm;
 use crate::material::Projection;
 use crate::mesh::Node;
 use crate::partition::CellPart;
-use crate::solver::ElementTangent;
+use crate::solver::{ElementCells, ElementTangent, FACTOR_LIMIT};
 
 /// What the coarse model needs to move. Kept from step to step and across edits; the models are borrowed while steps are made
 /// ([`on`](Self::on)).
@@ -32,9 +32,10 @@ pub struct CoarseMechanics {
     solver: ElementTangent,
     /// The mesh that the solver was made for.
     corners: Vec<[u32; 8]>,
+    elements: Vec<CellPart>,
     constraints: Constraints,
-    /// Which fine nodes are held; decides the constraints.
-    fixed: Vec<bool>,
+    /// Which holds act: what `constraints` were made for.
+    acting: Vec<bool>,
     /// Displacement of held vertices; others zero.
     held: Vec<f64>,
     loads: Vec<f64>,
@@ -84,10 +85,11 @@ impl CoarseMechanics {
             corotated: Corotated::new(fine, coarse, integration),
             tangents: vec![[0.0; 576]; mesh.elements().len()],
             lagged: Vec::new(),
-            solver: ElementTangent::new(mesh.elimination_order(), mesh.corners())?,
+            solver: solver(coarse)?,
             corners: mesh.corners().to_vec(),
+            elements: mesh.elements().to_vec(),
             constraints: Constraints::none(vertices),
-            fixed: vec![false; fine.grid().lattice.node_count()],
+            acting: Vec::new(),
             held: vec![0.0; 3 * vertices],
             loads: vec![0.0; 3 * fine.grid().lattice.node_count()],
             load_norm: 0.0,
@@ -119,16 +121,17 @@ impl CoarseMechanics {
         let mesh = coarse.mesh();
         let vertices = mesh.vertices().len();
         self.corotated.renew(fine, coarse, dirty);
-        if self.corners != mesh.corners() {
+        if self.corners != mesh.corners() || self.elements != mesh.elements() {
             self.corners = mesh.corners().to_vec();
+            self.elements = mesh.elements().to_vec();
             self.tangents.resize(mesh.elements().len(), [0.0; 576]);
             self.lagged.clear();
-            self.solver = ElementTangent::new(mesh.elimination_order(), mesh.corners())?;
+            self.solver = solver(coarse)?;
         }
         self.nodes = conditions.node_potentials(fine);
         self.conditions = conditions;
         self.constraints = Constraints::none(vertices);
-        self.fixed.fill(false);
+        self.acting.clear();
         self.held = vec![0.0; 3 * vertices];
         self.shares = vec![f64::NAN];
         self.penalties.clear();
@@ -204,6 +207,14 @@ impl CoarseMechanics {
     }
 }
 
+/// A solver for the mesh of `coarse`: with a factor or, for many unknowns, a multigrid cycle.
+fn solver(coarse: &CoarseModel) -> Result<ElementTangent, TangentError> {
+    let mesh = coarse.mesh();
+    let cells = mesh.elements().iter().map(|element| element.cell.0 as u32).collect();
+    let place = ElementCells { lattice: coarse.partition().coarse(), spacing: coarse.spacing(), cells };
+    Ok(ElementTangent::on_lattice(mesh.elimination_order(), mesh.corners(), place, FACTOR_LIMIT)?)
+}
+
 impl Potential for PointPotential {
     fn evaluate(&self, x: [f64; 3]) -> (f64, [f64; 3], Matrix3) {
         let response = PointPotential::evaluate(self, x);
@@ -222,12 +233,11 @@ impl From<CorotatedError> for Inversion {
 
 impl CoarseBody<'_> {
     /// Finds which vertices are held and which nodes by penalty, for the marked fine nodes.
-    fn hold(&mut self, fixed: Vec<bool>) {
+    fn hold(&mut self, fixed: &[bool]) {
         let m = &mut *self.mechanics;
-        let supported = SupportedCoarse::new(self.coarse, &Embedding::new(self.coarse), &fixed);
+        let supported = SupportedCoarse::new(self.coarse, &Embedding::new(self.coarse), fixed);
         m.penalties = supported.penalty_points().to_vec();
         m.constraints = supported.constraints;
-        m.fixed = fixed;
         let kept: Vec<PointPotential> = std::mem::take(&mut m.settled);
         m.place_points(self.coarse);
         // Points of nodes come first and are the same as before.
@@ -311,9 +321,11 @@ impl Body for CoarseBody<'_> {
 
     fn set_moment(&mut self, moment: Moment) -> Result<(), TangentError> {
         let holds = &self.mechanics.conditions.holds;
-        let fixed = holds.fixed_at(moment.holds, self.mechanics.fixed.len());
-        if fixed != self.mechanics.fixed {
-            self.hold(fixed);
+        if !holds.acting_at(moment.holds).eq(self.mechanics.acting.iter().copied()) {
+            let acting = holds.acting_at(moment.holds).collect();
+            let fixed = holds.fixed_at(moment.holds, self.fine.grid().lattice.node_count());
+            self.hold(&fixed);
+            self.mechanics.acting = acting;
         }
         self.move_held(moment.holds);
         self.set_loads(moment);
@@ -354,6 +366,10 @@ impl Body for CoarseBody<'_> {
         Ok(corotated.points().iter().zip(potentials).zip(positions).map(energy).sum())
     }
 
+    fn load_energy(&self, displacement: &[f64]) -> Result<f64, Inversion> {
+        Ok(self.mechanics.corotated.load_energy(self.coarse, displacement)?)
+    }
+
     fn gradient(&self, displacement: &[f64], gradient: &mut [f64]) -> Result<Energies, Inversion> {
         let CoarseMechanics { corotated, potentials, .. } = &*self.mechanics;
         gradient.fill(0.0);
@@ -381,6 +397,7 @@ impl Body for CoarseBody<'_> {
                 (0..24).for_each(|i| tangent[25 * i] += weights.mass * masses[i / 3]);
             }
         }
+        // Lagged: the preconditioner stays until the solver's books of iterations speak for a new one.
         Ok(solver.update(|element| &tangents[element], constraints, true)?)
     }
 

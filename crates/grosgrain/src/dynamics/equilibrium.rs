@@ -124,7 +124,8 @@ fn increment(
         workspace.follow(body, &inertia, from, u)?;
         body.prescribe(u);
     }
-    minimise(body, &inertia, &options.newton, u, workspace)
+    let start = workspace.evaluate(body, &inertia, u).map_err(NewtonError::Start)?;
+    minimise(body, &inertia, &options.newton, (u, start), workspace)
 }
 
 impl LoadPath {

@@ -27,6 +27,8 @@ pub struct FineMechanics {
     constraints: Constraints,
     /// Displacement of held nodes; others zero.
     held: Vec<f64>,
+    /// Which holds act: what `constraints` were made for.
+    acting: Vec<bool>,
     loads: Vec<f64>,
     load_norm: f64,
     shares: Vec<f64>,
@@ -60,6 +62,7 @@ impl FineMechanics {
             mass: nodal_mass(model),
             constraints: Constraints::none(nodes),
             held: vec![0.0; 3 * nodes],
+            acting: Vec::new(),
             loads: vec![0.0; 3 * nodes],
             load_norm: 0.0,
             shares: vec![f64::NAN],
@@ -204,9 +207,13 @@ impl Body for FineBody<'_> {
     fn set_moment(&mut self, moment: Moment) -> Result<(), TangentError> {
         let m = &mut *self.mechanics;
         let nodes = m.mass.len();
-        m.constraints = Constraints::nodes(&m.conditions.holds.fixed_at(moment.holds, nodes));
-        m.held.fill(0.0);
-        m.conditions.holds.prescribe(moment.holds, |node| self.model.node_position(Node(node)), &mut m.held);
+        let holds = &m.conditions.holds;
+        if !holds.acting_at(moment.holds).eq(m.acting.iter().copied()) {
+            m.constraints = Constraints::nodes(&holds.fixed_at(moment.holds, nodes));
+            m.acting = holds.acting_at(moment.holds).collect();
+            m.held.fill(0.0);
+        }
+        holds.prescribe(moment.holds, |node| self.model.node_position(Node(node)), &mut m.held);
         let mut shares = Vec::new();
         m.conditions.shares_at(moment.loads, moment.share, &mut shares);
         if shares != m.shares {
@@ -249,6 +256,10 @@ impl Body for FineBody<'_> {
             potential.evaluate(self.position(point.node, displacement)).energy
         };
         Ok(points.iter().zip(potentials).map(energy).sum())
+    }
+
+    fn load_energy(&self, displacement: &[f64]) -> Result<f64, Inversion> {
+        Ok(-self.mechanics.loads.iter().zip(displacement).map(|(force, u)| force * u).sum::<f64>())
     }
 
     fn gradient(&self, displacement: &[f64], gradient: &mut [f64]) -> Result<Energies, Inversion> {

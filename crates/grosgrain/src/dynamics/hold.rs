@@ -55,6 +55,11 @@ impl Holds {
         self.0.iter().filter(move |hold| hold.is_active(time))
     }
 
+    /// Which parts are held at a time \[s\].
+    pub fn acting_at(&self, time: f64) -> impl Iterator<Item = bool> {
+        self.0.iter().map(move |hold| hold.is_active(time))
+    }
+
     /// Which of `nodes` lattice nodes are held at a time \[s\].
     pub fn fixed_at(&self, time: f64, nodes: usize) -> Vec<bool> {
         let mut fixed = vec![false; nodes];

@@ -1,6 +1,6 @@
 //! Steps in time: backward Euler and the implicit midpoint rule, each as the minimum of an incremental potential.
 
-use super::newton::{Inertia, NewtonError, NewtonOptions, NewtonReport, NewtonWorkspace, minimise};
+use super::newton::{Inertia, NewtonError, NewtonOptions, NewtonReport, NewtonWorkspace, Standing, minimise};
 use super::{Body, Energies, Inversion, Moment, QuadraticWeights, State};
 
 /// How velocities and displacements advance.
@@ -172,14 +172,15 @@ impl Stepper {
         if options.damping.stiffness > 0.0 {
             body.lag_damping(&self.start).map_err(NewtonError::Start)?;
         }
-        let before = body.energies(&self.start).map_err(NewtonError::Start)?;
+        let loads_before = body.load_energy(&self.start).map_err(NewtonError::Start)?;
+        let points_before = body.energy_of_points(&self.start).map_err(NewtonError::Start)?;
         let weights = self.set_centre(state, length);
-        self.guess(body, state, (length, half), weights)?;
-        let newton = self.minimise(body, weights)?;
+        let guess = self.guess(body, state, (length, half), weights)?;
+        let newton = self.minimise(body, weights, guess)?;
         let mut made = *report;
-        self.account(body, weights, (length, half), before.loads, &mut made)?;
-        made.work_of_loads += before.points - stored;
-        made.energies = self.finish(body, state, (length, half), made.energies)?;
+        self.account(body, weights, (length, half), newton.energies.loads - loads_before, &mut made);
+        made.work_of_loads += points_before - stored;
+        made.energies = self.finish(body, state, (length, half), newton.energies)?;
         made.newton_iterations += newton.iterations;
         made.linear_iterations += newton.linear_iterations;
         made.projected += newton.projected;
@@ -208,17 +209,18 @@ impl Stepper {
         state: &State,
         (length, half): (f64, bool),
         weights: QuadraticWeights,
-    ) -> Result<(), NewtonError> {
+    ) -> Result<Standing, NewtonError> {
         self.u.clear();
         self.u.extend(state.displacement.iter().zip(&state.velocity).map(|(u, v)| u + length * v));
         self.place_held(body, half);
-        if body.energies(&self.u).is_ok() {
-            return Ok(());
-        }
         let inertia = Inertia { weights, centre: &self.centre, from: &self.start };
+        if let Ok(standing) = self.workspace.evaluate(body, &inertia, &self.u) {
+            return Ok(standing);
+        }
         self.workspace.follow(body, &inertia, &self.start, &mut self.u)?;
         self.place_held(body, half);
-        body.energies(&self.u).map(|_| ()).map_err(NewtonError::Start)
+        let inertia = Inertia { weights, centre: &self.centre, from: &self.start };
+        self.workspace.evaluate(body, &inertia, &self.u).map_err(NewtonError::Start)
     }
 
     /// Puts held nodes of `u` where they must be at the end of the step, or half-way there.
@@ -233,40 +235,49 @@ impl Stepper {
         }
     }
 
-    fn minimise(&mut self, body: &mut dyn Body, weights: QuadraticWeights) -> Result<NewtonReport, NewtonError> {
+    /// The minimum from the guess, with the limits of friction that belong to it.
+    fn minimise(
+        &mut self,
+        body: &mut dyn Body,
+        weights: QuadraticWeights,
+        guess: Standing,
+    ) -> Result<NewtonReport, NewtonError> {
         let inertia = Inertia { weights, centre: &self.centre, from: &self.start };
-        let mut total = NewtonReport::default();
+        let (mut total, mut standing) = (NewtonReport::default(), guess);
         for _ in 0..FRICTION_ROUNDS {
-            let report = minimise(body, &inertia, &self.options.newton, &mut self.u, &mut self.workspace)?;
+            let report = minimise(body, &inertia, &self.options.newton, (&mut self.u, standing), &mut self.workspace)?;
             total.iterations += report.iterations;
             total.linear_iterations += report.linear_iterations;
             total.projected += report.projected;
-            total.relative_residual = report.relative_residual;
-            if body.renew_friction(&self.u) < FRICTION_CHANGE {
+            (total.relative_residual, total.energies) = (report.relative_residual, report.energies);
+            let change = body.renew_friction(&self.u);
+            if change == 0.0 {
+                break;
+            }
+            // With other limits the energy is another one.
+            standing = self.workspace.evaluate(body, &inertia, &self.u).map_err(NewtonError::Start)?;
+            total.energies = standing.energies;
+            if change < FRICTION_CHANGE {
                 break;
             }
         }
         Ok(total)
     }
 
-    /// Adds the work done during the step to the books. For the midpoint rule forces are those at the midpoint.
+    /// Adds the work done during the step to the books, `lifted` being the change of the energy of the loads. For the midpoint rule forces are
+    /// those at the midpoint.
     fn account(
         &mut self,
         body: &dyn Body,
         weights: QuadraticWeights,
         (length, half): (f64, bool),
-        loads_before: f64,
+        lifted: f64,
         report: &mut StepReport,
-    ) -> Result<(), NewtonError> {
+    ) {
         let factor = if half { 2.0 } else { 1.0 };
-        let inertia = Inertia { weights, centre: &self.centre, from: &self.start };
         let (u, start) = (&self.u, &self.start);
-        let moved = |i: usize| factor * (u[i] - start[i]);
-        let outcome = self.workspace.work_of_holds(body, &inertia, u, moved);
-        let (energies, work) = outcome.map_err(NewtonError::Start)?;
-        report.energies = energies;
-        report.work_of_holds += work;
-        report.work_of_loads -= factor * (energies.loads - loads_before);
+        report.work_of_holds += self.workspace.work_of_holds(body, |i| factor * (u[i] - start[i]));
+        report.work_of_loads -= factor * lifted;
         let Damping { mass, stiffness } = self.options.damping;
         if mass > 0.0 {
             let square = |n: usize| (3 * n..3 * n + 3).map(|i| (u[i] - start[i]).powi(2)).sum::<f64>();
@@ -280,7 +291,6 @@ impl Stepper {
             body.add_damping(weights.damping, &difference, &mut self.product);
             report.damped += factor * difference.iter().zip(&self.product).map(|(d, p)| d * p).sum::<f64>();
         }
-        Ok(())
     }
 
     /// Takes the new displacements and velocities over into the state.

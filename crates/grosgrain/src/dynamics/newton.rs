@@ -1,6 +1,7 @@
 //! Newton's method for a minimum of Ψ(u) plus the quadratic terms of a time step.
 
 use super::{Body, Energies, Inversion, QuadraticWeights, TangentError};
+use crate::assembly::Constraints;
 use crate::linalg::{dot, norm};
 use crate::material::Projection;
 use crate::solver::SolverError;
@@ -31,6 +32,8 @@ pub struct NewtonReport {
     pub projected: usize,
     /// Relative residual at the end.
     pub relative_residual: f64,
+    /// Potential energies at the end \[J\].
+    pub energies: Energies,
 }
 
 /// Why no minimum was found.
@@ -100,6 +103,8 @@ pub struct NewtonWorkspace {
     step: Vec<f64>,
     trial: Vec<f64>,
     product: Vec<f64>,
+    /// What the gradient was at prescribed components, in their order: the forces that hold them, negative.
+    reactions: Vec<f64>,
 }
 
 /// Shortest step that is tried, as a share of the full one.
@@ -111,10 +116,10 @@ const ROUNDING: f64 = 1e-13;
 /// Loosest relative residual of a linear solve.
 const LOOSEST: f64 = 0.1;
 
-/// The minimum near `u`, whose prescribed components are already in place.
+/// The minimum near `u`, whose prescribed components are already in place; `start` is how [`NewtonWorkspace::evaluate`] has found it.
 ///
 /// Steps with the exact Hessian where it is positive definite and with the projected one where it is not; linear systems are solved to
-/// min(0.1, √r) of the relative residual r; steps are halved until the energy falls and no cell is inverted. Where the
+/// min(0.1, √r) of the relative residual r, no further than to 0.4 of the tolerance; steps are halved until the energy falls and no cell is inverted. Where the
 /// energy can fall by no more than rounding and the residual stays, the iteration ends too: rounding keeps it above the tolerance.
 ///
 /// # Errors
@@ -123,16 +128,16 @@ pub fn minimise(
     body: &mut dyn Body,
     inertia: &Inertia<'_>,
     options: &NewtonOptions,
-    u: &mut Vec<f64>,
+    (u, start): (&mut Vec<f64>, Standing),
     workspace: &mut NewtonWorkspace,
 ) -> Result<NewtonReport, NewtonError> {
-    workspace.resize(u.len());
     let mut report = NewtonReport::default();
-    let mut state = workspace.evaluate(body, inertia, u).map_err(NewtonError::Start)?;
+    let mut state = start;
     let mut projection = Projection::Exact;
     let mut inverted = None;
     loop {
         report.relative_residual = state.residual;
+        report.energies = state.energies;
         if state.residual <= options.tolerance {
             return Ok(report);
         }
@@ -140,7 +145,7 @@ pub fn minimise(
             let (residual, iterations) = (state.residual, report.iterations);
             return Err(NewtonError::Iterations { residual, iterations, inverted });
         }
-        let forcing = LOOSEST.min(state.residual.sqrt()).max(0.2 * options.tolerance / state.residual).min(0.5);
+        let forcing = LOOSEST.min(state.residual.sqrt()).max(0.4 * options.tolerance / state.residual).min(0.5);
         let slope = workspace.find_step(body, inertia, (u, forcing), &mut projection, &mut report)?;
         report.iterations += 1;
         let before = state;
@@ -148,6 +153,7 @@ pub fn minimise(
         inverted = state.inverted.or(inverted);
         if -slope <= ROUNDING * before.scale && state.residual > 0.5 * before.residual {
             report.relative_residual = state.residual;
+            report.energies = state.energies;
             return Ok(report);
         }
         if projection == Projection::PositiveSemidefinite && state.full_step {
@@ -158,7 +164,8 @@ pub fn minimise(
 
 /// Where the iteration stands.
 #[derive(Clone, Copy, Debug)]
-struct Standing {
+pub struct Standing {
+    pub energies: Energies,
     objective: f64,
     scale: f64,
     residual: f64,
@@ -175,19 +182,25 @@ impl NewtonWorkspace {
     }
 
     /// The objective and its gradient at u; the gradient is zero at prescribed components afterwards.
-    fn evaluate(&mut self, body: &dyn Body, inertia: &Inertia<'_>, u: &[f64]) -> Result<Standing, Inversion> {
+    ///
+    /// # Errors
+    /// An inverted state.
+    pub fn evaluate(&mut self, body: &dyn Body, inertia: &Inertia<'_>, u: &[f64]) -> Result<Standing, Inversion> {
+        self.resize(u.len());
         let energies = body.gradient(u, &mut self.gradient)?;
         let internal = norm(&self.gradient);
         let kinetic = self.add_inertia(body, inertia, u);
         let inertial = norm(&self.inertial);
         add(&self.inertial, &mut self.gradient);
-        let reaction = clear_fixed(body, &mut self.gradient);
+        self.reactions.clear();
+        let reaction = clear_fixed(body, &mut self.gradient, |reaction| self.reactions.push(reaction));
         let size = internal.max(inertial).max(reaction).max(body.load_norm());
         let residual = norm(&self.gradient);
         if !residual.is_finite() {
             return Err(Inversion::NotFinite);
         }
         Ok(Standing {
+            energies,
             objective: energies.total() + kinetic,
             scale: energies.scale() + kinetic,
             residual: if residual == 0.0 { 0.0 } else { residual / size },
@@ -311,28 +324,15 @@ impl NewtonWorkspace {
         self.trial.iter_mut().zip(u.iter().zip(from)).for_each(|(d, (u, f))| *d = u - f);
         body.multiply(&self.trial, &mut self.product);
         self.step.iter_mut().zip(self.gradient.iter().zip(&self.product)).for_each(|(s, (g, p))| *s = -g - p);
-        clear_fixed(body, &mut self.step);
+        clear_fixed(body, &mut self.step, |_| {});
         body.solve(&mut self.step, 1e-3).map_err(NewtonError::from)?;
         add(&self.step, u);
         Ok(())
     }
 
-    /// The forces that hold the prescribed components at `u`, times a displacement of these: what the holds do work on \[J\].
-    ///
-    /// # Errors
-    /// An inverted state.
-    pub fn work_of_holds(
-        &mut self,
-        body: &dyn Body,
-        inertia: &Inertia<'_>,
-        u: &[f64],
-        moved: impl Fn(usize) -> f64,
-    ) -> Result<(Energies, f64), Inversion> {
-        let energies = body.gradient(u, &mut self.gradient)?;
-        self.add_inertia(body, inertia, u);
-        let fixed = |i: &usize| body.constraints().is_fixed(i / 3, i % 3);
-        let work = (0..u.len()).filter(fixed).map(|i| (self.gradient[i] + self.inertial[i]) * moved(i)).sum();
-        Ok((energies, work))
+    /// The work \[J\] of the forces that hold the prescribed components where the last evaluation was, on a displacement of these.
+    pub fn work_of_holds(&self, body: &dyn Body, moved: impl Fn(usize) -> f64) -> f64 {
+        prescribed(body.constraints()).zip(&self.reactions).map(|(i, reaction)| reaction * moved(i)).sum()
     }
 }
 
@@ -340,15 +340,19 @@ fn add(from: &[f64], to: &mut [f64]) {
     to.iter_mut().zip(from).for_each(|(t, f)| *t += f);
 }
 
-/// Sets prescribed components to zero; returns the norm of what was there.
-fn clear_fixed(body: &dyn Body, vector: &mut [f64]) -> f64 {
-    let constraints = body.constraints();
+/// The prescribed components.
+fn prescribed(constraints: &Constraints) -> impl Iterator<Item = usize> {
+    let held = (0..constraints.node_count()).filter(|n| !constraints.is_free(*n));
+    held.flat_map(move |n| (3 * n..3 * n + 3).filter(move |i| constraints.is_fixed(n, i - 3 * n)))
+}
+
+/// Sets prescribed components to zero; returns the norm of what was there, which `visit` is told one by one.
+fn clear_fixed(body: &dyn Body, vector: &mut [f64], mut visit: impl FnMut(f64)) -> f64 {
     let mut square = 0.0;
-    for n in (0..constraints.node_count()).filter(|n| !constraints.is_free(*n)) {
-        for r in (0..3).filter(|r| constraints.is_fixed(n, *r)) {
-            square += vector[3 * n + r] * vector[3 * n + r];
-            vector[3 * n + r] = 0.0;
-        }
+    for i in prescribed(body.constraints()) {
+        visit(vector[i]);
+        square += vector[i] * vector[i];
+        vector[i] = 0.0;
     }
     square.sqrt()
 }

@@ -42,7 +42,8 @@ pub(super) struct BlockMatrix<C = f64> {
     places: Vec<[u32; 64]>,
     row_starts: Vec<u32>,
     columns: Vec<u32>,
-    blocks: Vec<[C; 9]>,
+    /// Three rows of numbers per vertex, so that products run along them.
+    values: Vec<C>,
     /// Bit r of entry v: component r of vertex v is an unknown.
     free: Vec<u8>,
 }
@@ -72,8 +73,8 @@ impl<C: Coefficient> BlockMatrix<C> {
             row.partition_point(|column| *column < b) as u32
         };
         let places = corners.iter().map(|c| std::array::from_fn(|n| place(c[n / 8], c[n % 8]))).collect();
-        let blocks = vec![[C::default(); 9]; columns.len()];
-        Ok(Self { incidence_starts, incidences, corners, places, row_starts, columns, blocks, free: vec![7; vertices] })
+        let values = vec![C::default(); 9 * columns.len()];
+        Ok(Self { incidence_starts, incidences, corners, places, row_starts, columns, values, free: vec![7; vertices] })
     }
 
     pub fn vertices(&self) -> usize {
@@ -93,29 +94,24 @@ impl<C: Coefficient> BlockMatrix<C> {
 
     /// Adds up factor × matrix of the elements, from zero.
     pub fn assemble<'k>(&mut self, stiffness: &(impl Fn(usize) -> (f64, &'k CellMatrix) + Sync)) {
-        let Self { incidence_starts, incidences, corners, places, row_starts, blocks, free, .. } = self;
-        let (corners, places, free) = (&*corners, &*places, &*free);
-        let rows = split_rows(blocks, row_starts);
-        rows.into_par_iter().for_each(|(first, mut blocks)| {
+        let Self { incidence_starts, incidences, places, row_starts, columns, values, free, .. } = self;
+        let (places, columns, free) = (&*places, &*columns, &*free);
+        let rows = split_rows(values, row_starts);
+        rows.into_par_iter().for_each(|(first, mut values)| {
             let mut sums = Vec::new();
             for v in first..(first + TASK).min(free.len()) {
-                let (row, rest) = blocks.split_at_mut((row_starts[v + 1] - row_starts[v]) as usize);
-                blocks = rest;
+                let (row, rest) = values.split_at_mut(9 * (row_starts[v + 1] - row_starts[v]) as usize);
+                values = rest;
                 sums.clear();
-                sums.resize(row.len(), [0.0; 9]);
+                sums.resize(row.len(), 0.0);
                 for n in &incidences[incidence_starts[v] as usize..incidence_starts[v + 1] as usize] {
                     let (element, a) = (*n as usize / 8, *n as usize % 8);
                     let (factor, matrix) = stiffness(element);
-                    let places = &places[element][8 * a..8 * a + 8];
-                    add_rows(
-                        factor,
-                        &matrix[72 * a..72 * a + 72],
-                        (places, &corners[element], free),
-                        free[v],
-                        &mut sums,
-                    );
+                    let (three, _) = matrix[72 * a..72 * a + 72].as_chunks::<24>();
+                    add_rows(factor, three, &places[element][8 * a..8 * a + 8], &mut sums);
                 }
-                row.iter_mut().zip(&sums).for_each(|(block, sum)| *block = sum.map(C::of));
+                clear_prescribed(&mut sums, v, &columns[row_starts[v] as usize..row_starts[v + 1] as usize], free);
+                row.iter_mut().zip(&sums).for_each(|(value, sum)| *value = C::of(*sum));
             }
         });
     }
@@ -124,12 +120,21 @@ impl<C: Coefficient> BlockMatrix<C> {
         self.row_starts[v] as usize..self.row_starts[v + 1] as usize
     }
 
+    /// The values of the three rows of a vertex.
+    fn values_of(&self, v: usize) -> &[C] {
+        &self.values[9 * self.row_starts[v] as usize..9 * self.row_starts[v + 1] as usize]
+    }
+
+    /// The place of a vertex in its own row.
+    fn own_place(&self, v: usize) -> usize {
+        self.columns[self.row(v)].partition_point(|column| (*column as usize) < v)
+    }
+
     /// Row-major diagonal blocks.
     pub fn diagonal_blocks(&self) -> impl Iterator<Item = [f64; 9]> {
         (0..self.vertices()).map(|v| {
-            let row = self.row(v);
-            let own = row.start + self.columns[row].partition_point(|column| (*column as usize) < v);
-            self.blocks[own].map(Into::into)
+            let (values, own) = (self.values_of(v), self.own_place(v));
+            std::array::from_fn(|e| values[e / 3 * (values.len() / 3) + 3 * own + e % 3].into())
         })
     }
 
@@ -166,25 +171,20 @@ impl<C: Coefficient> BlockMatrix<C> {
     pub fn lower_into(&self, shift: f64, values: &mut [f64]) {
         let mut next = 0;
         for v in 0..self.vertices() {
-            let row = self.row(v);
-            let own = row.start + self.columns[row.clone()].partition_point(|column| (*column as usize) < v);
-            for c in 0..3 {
-                let diagonal: f64 = self.blocks[own][4 * c].into();
+            let (row, own) = (self.values_of(v), self.own_place(v));
+            for (c, row) in row.chunks_exact(row.len() / 3).enumerate() {
+                // The row of a symmetric matrix from the diagonal on is a column of its lower triangle.
+                let (diagonal, later) = (row[3 * own + c].into(), &row[3 * own + c + 1..]);
                 values[next] = if diagonal == 0.0 { 1.0 } else { diagonal * (1.0 + shift) };
-                next += 1;
-                let mut put = |entries: &[C]| {
-                    entries.iter().zip(&mut values[next..]).for_each(|(entry, value)| *value = (*entry).into());
-                    next += entries.len();
-                };
-                put(&self.blocks[own][4 * c + 1..3 * c + 3]);
-                self.blocks[own + 1..row.end].iter().for_each(|block| put(&block[3 * c..3 * c + 3]));
+                values[next + 1..].iter_mut().zip(later).for_each(|(value, entry)| *value = (*entry).into());
+                next += 1 + later.len();
             }
         }
     }
 
     /// Multiplications of a product.
     pub fn operations(&self) -> f64 {
-        9.0 * self.blocks.len() as f64
+        self.values.len() as f64
     }
 
     /// Sets entries that are no unknowns to zero.
@@ -200,20 +200,65 @@ impl<C: Coefficient> LinearOperator for BlockMatrix<C> {
         let (x, _) = x.as_chunks::<3>();
         y.par_chunks_mut(3 * TASK).enumerate().for_each(|(task, y)| {
             let (y, _) = y.as_chunks_mut::<3>();
-            for (n, y) in y.iter_mut().enumerate() {
-                let row = self.row(TASK * task + n);
-                let mut sum = [0.0; 3];
-                for (block, column) in self.blocks[row.clone()].iter().zip(&self.columns[row]) {
-                    let u = &x[*column as usize];
-                    let block = block.map(Into::into);
-                    for r in 0..3 {
-                        sum[r] += block[3 * r] * u[0] + block[3 * r + 1] * u[1] + block[3 * r + 2] * u[2];
-                    }
-                }
-                *y = sum;
-            }
+            pulp::Arch::new().dispatch(Product { matrix: self, first: TASK * task, x, y });
         });
     }
+}
+
+/// The rows of some vertices times a vector, compiled for the widest registers.
+struct Product<'a, C> {
+    matrix: &'a BlockMatrix<C>,
+    first: usize,
+    x: &'a [[f64; 3]],
+    y: &'a mut [[f64; 3]],
+}
+
+/// Blocks whose part of the vector is gathered at a time; more than the 27 of a lattice.
+const GATHERED: usize = 32;
+
+impl<C: Coefficient> pulp::WithSimd for Product<'_, C> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) {
+        let Self { matrix, first, x, y } = self;
+        let mut near = [0.0; 3 * GATHERED];
+        for (n, y) in y.iter_mut().enumerate() {
+            let (from, to) = (matrix.row_starts[first + n] as usize, matrix.row_starts[first + n + 1] as usize);
+            let (columns, values) = (&matrix.columns[from..to], &matrix.values[9 * from..9 * to]);
+            let length = values.len() / 3;
+            *y = [0.0; 3];
+            for (piece, columns) in columns.chunks(GATHERED).enumerate() {
+                for (near, column) in near.as_chunks_mut::<3>().0.iter_mut().zip(columns) {
+                    *near = x[*column as usize];
+                }
+                let near = &near[..3 * columns.len()];
+                for (r, sum) in y.iter_mut().enumerate() {
+                    *sum += along(&values[r * length + 3 * GATHERED * piece..][..near.len()], near);
+                }
+            }
+        }
+    }
+}
+
+/// Σ aᵢ xᵢ.
+#[inline(always)]
+fn along<C: Coefficient>(a: &[C], x: &[f64]) -> f64 {
+    let ((a, a_rest), (x, x_rest)) = (a.as_chunks::<8>(), x.as_chunks::<8>());
+    let mut lanes = [0.0; 8];
+    for (a, x) in a.iter().zip(x) {
+        for l in 0..8 {
+            let a: f64 = a[l].into();
+            lanes[l] += a * x[l];
+        }
+    }
+    let mut sum = 0.0;
+    for (a, x) in a_rest.iter().zip(x_rest) {
+        let a: f64 = (*a).into();
+        sum += a * x;
+    }
+    let four = [lanes[0] + lanes[4], lanes[1] + lanes[5], lanes[2] + lanes[6], lanes[3] + lanes[7]];
+    sum + ((four[0] + four[2]) + (four[1] + four[3]))
 }
 
 /// 8 × element + corner by vertex, in ascending order, and where those of each vertex start.
@@ -230,40 +275,40 @@ fn incidences(vertices: usize, corners: &[[u32; 8]]) -> (Vec<u32>, Vec<u32>) {
     (starts, incidences)
 }
 
-/// The rows of [`TASK`] vertices at a time, with the first of these.
-fn split_rows<'b, C>(mut blocks: &'b mut [[C; 9]], row_starts: &[u32]) -> Vec<(usize, &'b mut [[C; 9]])> {
+/// The values of [`TASK`] vertices at a time, with the first of these.
+fn split_rows<'b, C>(mut values: &'b mut [C], row_starts: &[u32]) -> Vec<(usize, &'b mut [C])> {
     let vertices = row_starts.len() - 1;
     let mut rows = Vec::with_capacity(vertices.div_ceil(TASK));
     for first in (0..vertices).step_by(TASK) {
         let count = row_starts[(first + TASK).min(vertices)] - row_starts[first];
-        let (head, tail) = blocks.split_at_mut(count as usize);
+        let (head, tail) = values.split_at_mut(9 * count as usize);
         rows.push((first, head));
-        blocks = tail;
+        values = tail;
     }
     rows
 }
 
-/// Adds the three rows of a corner to the blocks at their places, without prescribed rows and columns.
-fn add_rows(
-    factor: f64,
-    three: &[f64],
-    (places, corners, free): (&[u32], &[u32; 8], &[u8]),
-    own: u8,
-    row: &mut [[f64; 9]],
-) {
-    for (b, (place, vertex)) in places.iter().zip(corners).enumerate() {
-        let block = &mut row[*place as usize];
-        let bits = free[*vertex as usize];
-        if own & bits == 7 {
-            for (e, entry) in block.iter_mut().enumerate() {
-                *entry += factor * three[24 * (e / 3) + 3 * b + e % 3];
-            }
-            continue;
+/// Adds the three rows of a corner to the rows of its vertex, at the places of the element's vertices.
+fn add_rows(factor: f64, three: &[[f64; 24]], places: &[u32], sums: &mut [f64]) {
+    let length = sums.len() / 3;
+    for (row, sums) in three.iter().zip(sums.chunks_exact_mut(length)) {
+        let (sums, _) = sums.as_chunks_mut::<3>();
+        for (block, place) in row.as_chunks::<3>().0.iter().zip(places) {
+            let sum = &mut sums[*place as usize];
+            (0..3).for_each(|c| sum[c] += factor * block[c]);
         }
-        for (e, entry) in block.iter_mut().enumerate() {
-            if own >> (e / 3) & bits >> (e % 3) & 1 == 1 {
-                *entry += factor * three[24 * (e / 3) + 3 * b + e % 3];
-            }
+    }
+}
+
+/// Sets prescribed rows and columns of vertex `v` to zero.
+fn clear_prescribed(sums: &mut [f64], v: usize, columns: &[u32], free: &[u8]) {
+    if free[v] == 7 && columns.iter().all(|column| free[*column as usize] == 7) {
+        return;
+    }
+    for (r, sums) in sums.chunks_exact_mut(3 * columns.len()).enumerate() {
+        for (block, column) in sums.as_chunks_mut::<3>().0.iter_mut().zip(columns) {
+            let bits = if free[v] >> r & 1 == 1 { free[*column as usize] } else { 0 };
+            (0..3).filter(|c| bits >> c & 1 == 0).for_each(|c| block[c] = 0.0);
         }
     }
 }

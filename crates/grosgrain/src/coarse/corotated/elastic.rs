@@ -5,7 +5,7 @@ use super::error::CorotatedError;
 use super::frame::{Columns, Frame, LocalCurvature, LocalForces};
 use super::integration::Integration;
 use super::linear_cells::LinearCell;
-use super::products::{add_restricted, gradient_map, prolong};
+use super::products::{add_quadratic, add_restricted, gradient_map, prolong};
 use crate::coarse::galerkin::{ROWS, add_congruence};
 use crate::coarsening::COLUMNS;
 use crate::element::CellMatrix;
@@ -277,15 +277,4 @@ impl ElasticElement<'_> {
         let (cell, determinant) = smallest.unwrap_or((&batch[0], f64::NAN));
         self.inverted(cell, determinant)
     }
-}
-
-/// g += K v; returns ½ v·K v.
-fn add_quadratic(matrix: &CellMatrix, v: &Columns, gradient: &mut Columns) -> f64 {
-    let mut product = [0.0; COLUMNS];
-    // Columns instead of rows, because K is symmetric: so the sums run over vectors.
-    for (column, v) in matrix.chunks_exact(COLUMNS).zip(v) {
-        product.iter_mut().zip(column).for_each(|(sum, k)| *sum += k * v);
-    }
-    gradient.iter_mut().zip(product).for_each(|(g, f)| *g += f);
-    0.5 * product.iter().zip(v).map(|(f, v)| f * v).sum::<f64>()
 }

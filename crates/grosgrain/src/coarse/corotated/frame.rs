@@ -1,16 +1,13 @@
 //! The rotation of a coarse element and its derivatives.
 
+use super::polar::Polar;
+use super::second_order::{combined, rotated};
 use crate::coarsening::COLUMNS;
 use crate::element::trilinear_gradients;
-use crate::linalg::matrix3::{
-    IDENTITY, Matrix3, Svd3, apply, apply_transposed, cross, determinant, product, skew, svd, transposed,
-};
+use crate::linalg::matrix3::{IDENTITY, Matrix3, apply, apply_transposed, cross, determinant, product, skew};
 
 /// One value per unknown of an element.
 pub(super) type Columns = [f64; COLUMNS];
-
-/// Below this share of the largest singular value, the sum of the other two leaves the rotation undefined.
-const COLLAPSED: f64 = 1e-9;
 
 /// What the coarse cells of a model have in common: their box.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,22 +70,15 @@ impl Frame {
         for (x, slope) in moved.iter().zip(&cell.gradients) {
             (0..9).for_each(|n| gradient[n / 3][n % 3] += x[n / 3] * slope[n % 3]);
         }
-        let Svd3 { left, values: [a, b, c], right } = svd(&gradient);
-        // Written so that not-a-number is refused too.
-        if !(c > 0.0 && b + c > COLLAPSED * a && a.is_finite()) {
-            return Err(determinant(&gradient));
-        }
-        let rotation = product(&left, &transposed(&right));
-        let with = |values: [f64; 3]| -> Matrix3 {
-            let entry = |i: usize, j: usize| (0..3).map(|k| values[k] * (right[i][k] * right[j][k])).sum();
-            std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j)))
-        };
+        let Polar { rotation, stretch, compliance } = Polar::by_iteration(&gradient)
+            .or_else(|| Polar::by_svd(&gradient))
+            .ok_or_else(|| determinant(&gradient))?;
         let corners = moved.map(|x| apply_transposed(&rotation, &x));
         Ok(Self {
             rotation,
             rotates: true,
-            stretch: with([a, b, c]),
-            compliance: with([1.0 / (b + c), 1.0 / (a + c), 1.0 / (a + b)]),
+            stretch,
+            compliance,
             shift,
             corners,
             local: std::array::from_fn(|n| corners[n / 3][n % 3] - cell.corners[n / 3][n % 3]),
@@ -225,17 +215,9 @@ impl Frame {
                 side[k][c] += 0.5 * (0..3).map(|l| spin[l][c] * square[l][k]).sum::<f64>();
             }
         }
-        let entry = |a: usize, b: usize| -> f64 {
-            let sums = (0..3).fold((0.0, 0.0), |(x, y), k| (x + side[k][a] * spin[k][b], y + side[k][b] * spin[k][a]));
-            curvature.stiffness[a][b] + (sums.0 + sums.1)
-        };
         let mut hessian = [[0.0; COLUMNS]; COLUMNS];
-        for (a, b) in (0..COLUMNS).flat_map(|a| (a..COLUMNS).map(move |b| (a, b))) {
-            hessian[a][b] = entry(a, b);
-            hessian[b][a] = hessian[a][b];
-        }
-        rotate_blocks(&self.rotation, &mut hessian);
-        hessian
+        combined(&curvature.stiffness, &side, &spin, &mut hessian);
+        rotated(&self.rotation, &hessian)
     }
 
     fn add_turning(&self, pulled: &PulledBack, forces: &LocalForces, side: &mut [Columns; 3], square: &mut Matrix3) {
@@ -277,19 +259,6 @@ fn turned_columns(corners: &[[f64; 3]; 8], columns: &[Columns; 3]) -> Matrix3 {
         }
     }
     result
-}
-
-/// Replaces every 3×3 block H by R H Rᵀ; symmetric bit for bit if the matrix was.
-fn rotate_blocks(rotation: &Matrix3, matrix: &mut [Columns; COLUMNS]) {
-    let back = transposed(rotation);
-    for (i, j) in (0..8).flat_map(|i| (i..8).map(move |j| (i, j))) {
-        let block: Matrix3 = std::array::from_fn(|r| std::array::from_fn(|s| matrix[3 * i + r][3 * j + s]));
-        let turned = product(&product(rotation, &block), &back);
-        for (r, s) in (0..9).map(|n| (n / 3, n % 3)).filter(|(r, s)| i < j || r <= s) {
-            matrix[3 * i + r][3 * j + s] = turned[r][s];
-            matrix[3 * j + s][3 * i + r] = turned[r][s];
-        }
-    }
 }
 
 #[cfg(test)]

@@ -13,8 +13,10 @@ mod loads;
 mod model;
 mod place;
 mod points;
+mod polar;
 mod potential;
 mod products;
+mod second_order;
 
 pub use error::CorotatedError;
 pub use integration::Integration;

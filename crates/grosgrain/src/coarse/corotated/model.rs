@@ -154,6 +154,24 @@ impl Corotated {
         Ok(energies)
     }
 
+    /// Potential energy of the dead loads \[J\], zero at rest.
+    ///
+    /// # Errors
+    /// A collapsed element.
+    ///
+    /// # Panics
+    /// Panics when `u` has not three entries per vertex, or `coarse` is another model.
+    pub fn load_energy(&self, coarse: &CoarseModel, u: &[f64]) -> Result<f64, CorotatedError> {
+        self.check(coarse, u, self.points.all.len());
+        let mut energy = 0.0;
+        for (index, load) in self.loads.iter().enumerate() {
+            if let Some(load) = load {
+                energy += load.energy(&self.frame(coarse, index, u)?);
+            }
+        }
+        Ok(energy)
+    }
+
     /// Adds ∂E/∂u \[N\], three per vertex, to `out`, and returns the energies E. On errors `out` stays as it is.
     ///
     /// # Errors

@@ -2,6 +2,7 @@
 
 use super::frame::Columns;
 use crate::coarsening::COLUMNS;
+use crate::element::CellMatrix;
 
 /// u = W v for the rows W of `functions`.
 ///
@@ -26,6 +27,39 @@ pub(super) fn gradient_map(rows: &[Columns; COLUMNS], gradients: &[[f64; 8]; 3])
     let mut map = [[0.0; COLUMNS]; 9];
     pulp::Arch::new().dispatch(GradientMap { rows, gradients, map: &mut map });
     map
+}
+
+/// g += K v for a symmetric K; returns ½ v·K v.
+pub(super) fn add_quadratic(matrix: &CellMatrix, v: &Columns, g: &mut Columns) -> f64 {
+    pulp::Arch::new().dispatch(Quadratic { matrix: matrix.as_chunks().0, v, g })
+}
+
+struct Quadratic<'a> {
+    matrix: &'a [Columns],
+    v: &'a Columns,
+    g: &'a mut Columns,
+}
+
+impl pulp::WithSimd for Quadratic<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> f64 {
+        let Self { matrix, v, g } = self;
+        let mut product = [0.0; COLUMNS];
+        // Columns instead of rows, because K is symmetric: so the sums run over vectors.
+        for (column, v) in matrix.iter().zip(v) {
+            for n in 0..COLUMNS {
+                product[n] += column[n] * v;
+            }
+        }
+        let mut work = 0.0;
+        for n in 0..COLUMNS {
+            g[n] += product[n];
+            work += product[n] * v[n];
+        }
+        0.5 * work
+    }
 }
 
 struct Prolong<'a> {
