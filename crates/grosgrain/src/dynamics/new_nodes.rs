@@ -86,8 +86,7 @@ fn turn(
         (0..3).for_each(|i| momentum[i] += swirl[i]);
     }
     let Svd3 { left, values, right } = svd(&moved);
-    // Written so that NaN counts as a line, too.
-    if !(values[1] > ON_A_LINE * values[0]) {
+    if values[1].is_nan() || values[1] <= ON_A_LINE * values[0] {
         return (IDENTITY, [0.0; 3]);
     }
     let spin = inverse(&inertia).map_or([0.0; 3], |inverse| apply(&inverse, &momentum));
