@@ -297,23 +297,23 @@ mod tests {
         assert_eq!(labels[..16], labels[16..]);
     }
 
-    fn grid(period: [usize; 3], width: usize, extent: Option<[[usize; 3]; 2]>) -> Pattern {
+    fn bars(period: [usize; 3], width: usize, extent: Option<[[usize; 3]; 2]>) -> Pattern {
         Pattern::Grid { bars: Bars { period, width, extent }, labels: AB }
     }
 
     #[test]
     fn bars_cross_in_a_grid_inside_their_box() {
-        let ribs = grid([3, 2, 1], 1, Some([[1, 0, 0], [6, 3, 1]])).labels(&Lattice::new([7, 4, 2])).unwrap();
+        let ribs = bars([3, 2, 1], 1, Some([[1, 0, 0], [6, 3, 1]])).labels(&Lattice::new([7, 4, 2])).unwrap();
         let rows: Vec<String> = ribs.chunks(7).map(|row| row.iter().map(|l| l.to_string()).collect()).collect();
         assert_eq!(rows[..4], ["0111110", "0100100", "0111110", "0000000"]);
         assert_eq!(rows[4..], ["0000000"; 4]);
         let lattice = Lattice::new([4; 3]);
-        let bars = grid([4; 3], 1, None).labels(&lattice).unwrap();
-        for (c, label) in bars.iter().enumerate() {
+        let cross = bars([4; 3], 1, None).labels(&lattice).unwrap();
+        for (c, label) in cross.iter().enumerate() {
             let zeros = lattice.cell_position(Cell(c)).iter().filter(|i| **i == 0).count();
             assert_eq!(label.0, i32::from(zeros >= 2), "three edges of a cube meet: cell {c}");
         }
-        assert_eq!(bars.iter().filter(|label| label.0 == 1).count(), 10);
+        assert_eq!(cross.iter().filter(|label| label.0 == 1).count(), 10);
     }
 
     #[test]
@@ -354,10 +354,10 @@ mod tests {
             (layers([1.0; 3], 0.0, labels.clone()), "period of the pattern is 0"),
             (layers([1.0; 3], 4.0, vec![]), "no labels"),
             (Pattern::Checkerboard { size: 0, labels }, "size of the pattern is 0"),
-            (grid([2, 0, 2], 1, None), "period of the pattern is 0"),
-            (grid([2; 3], 0, None), "width of the pattern is 0"),
-            (grid([2; 3], 1, Some([[0; 3], [2, 2, 3]])), "only cells of the grid, which has [2, 2, 2]"),
-            (grid([2; 3], 1, Some([[1, 0, 0], [1, 2, 2]])), "must hold cells"),
+            (bars([2, 0, 2], 1, None), "period of the pattern is 0"),
+            (bars([2; 3], 0, None), "width of the pattern is 0"),
+            (bars([2; 3], 1, Some([[0; 3], [2, 2, 3]])), "only cells of the grid, which has [2, 2, 2]"),
+            (bars([2; 3], 1, Some([[1, 0, 0], [1, 2, 2]])), "must hold cells"),
             (random(vec![1.0]), "1 fractions for 2 labels"),
             (random(vec![0.7, 0.7]), "must sum to 1"),
             (random(vec![1.5, -0.5]), "must not be negative"),

@@ -30,7 +30,7 @@ pub struct Row {
     pub range: Option<[f64; 2]>,
     /// Published over measured; null where either is missing.
     pub published_over_measured: Option<f64>,
-    /// Coarse cells updated between initialisation and measurement; null where that is no question.
+    /// Coarse cells updated between initialisation and measurement, or by an edit; null where that is no question.
     pub updated_cells: Option<usize>,
     /// What must be known to read the row.
     pub note: Option<String>,

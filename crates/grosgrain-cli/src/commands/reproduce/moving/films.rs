@@ -58,7 +58,7 @@ impl<'a> Recorder<'a> {
 
     /// Adds a step, if it is one of the scene's frames.
     pub fn add(&mut self, problem: &Problem, step: &TrackStep<'_>) {
-        if step.number % problem.scene.output.frames != 0 && !step.last {
+        if !step.number.is_multiple_of(problem.scene.output.frames) && !step.last {
             return;
         }
         for (row, model) in ROWS.into_iter().enumerate() {
