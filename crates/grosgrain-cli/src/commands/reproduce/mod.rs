@@ -30,7 +30,6 @@ use crate::results;
 
 const EXAMPLES: &str = "Examples:
   grosgrain reproduce table1 --degrees 2,3 --patterns oblique -o out/table1
-  grosgrain reproduce table2 table3 --json out/timings.json
   grosgrain reproduce fig1 fig4 fig5 -o out/figures";
 
 /// Arguments of `reproduce`.

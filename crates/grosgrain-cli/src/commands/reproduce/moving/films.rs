@@ -38,6 +38,8 @@ pub struct Recorder<'a> {
     folder: &'a Path,
     film: Film,
     scans: Option<ScanRecorder>,
+    /// The last step that was added: that of a run which stops is shown once more.
+    added: Option<usize>,
 }
 
 impl<'a> Recorder<'a> {
@@ -53,12 +55,13 @@ impl<'a> Recorder<'a> {
         let names = ROWS.map(caption);
         let film = Film::new(&problem.scene.title, &names.each_ref().map(String::as_str), options);
         let scans = example.scan.then(|| ScanRecorder::new(problem)).flatten();
-        Self { example, folder, film, scans }
+        Self { example, folder, film, scans, added: None }
     }
 
     /// Adds a step, if it is one of the scene's frames.
     pub fn add(&mut self, problem: &Problem, step: &TrackStep<'_>) {
-        if !step.number.is_multiple_of(problem.scene.output.frames) && !step.last {
+        let wanted = step.number.is_multiple_of(problem.scene.output.frames) || step.last;
+        if !wanted || self.added.replace(step.number) == Some(step.number) {
             return;
         }
         for (row, model) in ROWS.into_iter().enumerate() {
@@ -76,7 +79,7 @@ impl<'a> Recorder<'a> {
     /// # Errors
     /// An interruption.
     pub fn write(self, problem: &Problem, outcome: &Outcome, progress: &Progress) -> Result<Vec<PathBuf>, Failure> {
-        let Self { example, folder, film, scans } = self;
+        let Self { example, folder, film, scans, added: None } = self;
         let file = |ending: &str| folder.join(format!("{}{ending}.png", example.name));
         progress.say("drawing the film");
         let mut written = Vec::new();
