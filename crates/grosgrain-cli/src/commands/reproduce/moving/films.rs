@@ -79,7 +79,7 @@ impl<'a> Recorder<'a> {
     /// # Errors
     /// An interruption.
     pub fn write(self, problem: &Problem, outcome: &Outcome, progress: &Progress) -> Result<Vec<PathBuf>, Failure> {
-        let Self { example, folder, film, scans, added: None } = self;
+        let Self { example, folder, film, scans, .. } = self;
         let file = |ending: &str| folder.join(format!("{}{ending}.png", example.name));
         progress.say("drawing the film");
         let mut written = Vec::new();
