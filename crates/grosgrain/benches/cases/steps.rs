@@ -7,7 +7,7 @@ use grosgrain::dynamics::{
 };
 use grosgrain::fine::{FineModel, gravity};
 use grosgrain::material::{Elasticity, IsotropicMaterial, Law, Material, MaterialTable};
-use grosgrain::mesh::{Label, Node, Pattern, VoxelGrid};
+use grosgrain::mesh::{Label, Node, Pattern, VoxelGrid, pad_to_multiple};
 use grosgrain::progress::silent;
 use grosgrain::training::TrainingKind;
 
@@ -68,7 +68,8 @@ impl MovingBody {
     }
 
     fn trunk_of(name: &'static str, cells: [usize; 3], degree: usize, load: f64) -> Outcome<Self> {
-        let fine = FineModel::new(trunk_on(cells)?, &two([1e5, 1e8], 1500.0)?)?;
+        let grid = pad_to_multiple(&trunk_on(cells)?, degree, Label(-1)).grid;
+        let fine = FineModel::new(grid, &two([1e5, 1e8], 1500.0)?)?;
         let conditions = hanging(&fine, 2, [0.0, load * GRAVITY, 0.0]);
         Ok(Self { name, fine, degree, training: TrainingKind::OneRing, conditions, step: 0.01 })
     }
