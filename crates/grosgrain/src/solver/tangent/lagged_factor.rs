@@ -9,7 +9,7 @@ use crate::linalg::{Cholesky, CholeskyError, Preconditioner, SymbolicCholesky};
 /// Diagonal shift, relative to each diagonal entry, where rounding has made the matrix indefinite.
 const SHIFT: f64 = 1e-9;
 /// Time of a multiplication in triangular solves and products with a vector, which wait for memory, over that of one in a
-/// factorisation, whose dense kernels do not. Measured with `examples/tangent_solvers.rs`.
+/// factorisation, whose dense kernels do not. An estimate, not calibrated: it decides when a factor is renewed, never a result.
 const MEMORY_BOUND: f64 = 8.0;
 /// From this iteration on the pace of convergence is judged.
 const JUDGED_FROM: usize = 5;
