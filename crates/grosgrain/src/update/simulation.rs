@@ -65,19 +65,23 @@ impl Simulation {
     /// Advances by `step` \[s\].
     ///
     /// # Errors
-    /// As [`Stepper::advance`]: the motion is then the last one that was reached.
+    /// As [`Stepper::advance`]: motion and [`time`](Self::time) are then the last ones that were reached.
     pub fn step(&mut self, step: f64) -> Result<StepReport, StepError> {
         let Self { live, mechanics, stepper, time, .. } = self;
         let (fine, coarse, state) = live.parts_mut();
-        let report = stepper.advance(&mut mechanics.on(fine, coarse), state, *time, step)?;
-        *time += step;
-        Ok(report)
+        let made = stepper.advance(&mut mechanics.on(fine, coarse), state, *time, step);
+        *time = match &made {
+            Ok(_) => *time + step,
+            Err(failed) => failed.time - failed.smallest,
+        };
+        made
     }
 
     /// Makes an edit between two steps; the motion goes on.
     ///
     /// # Errors
-    /// An edit that is refused or cannot be followed; everything is then as it was.
+    /// An edit that is refused, training or fitting that fails ([`SimulationError::Live`]); everything is then as it was. After
+    /// [`SimulationError::Steps`], a system that does not fit into memory, body and motion are those after the edit, but no step can be made.
     pub fn apply(&mut self, edit: &Edit) -> Result<UpdateReport, SimulationError> {
         self.apply_all(std::slice::from_ref(edit), &silent)
     }
