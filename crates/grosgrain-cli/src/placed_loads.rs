@@ -1,6 +1,6 @@
 //! The loads of a scene where the unedited body has them.
 
-use grosgrain::dynamics::{Schedule, TimedLoad};
+use grosgrain::dynamics::TimedLoad;
 use grosgrain::fine::{FineModel, gravity, node_forces, traction};
 
 use crate::failure::Failure;
@@ -72,10 +72,8 @@ impl PlacedLoads {
 
     /// Every load on a model with the times at which it acts.
     pub fn timed(&self, model: &FineModel) -> Vec<TimedLoad> {
-        let timed = |(load, span): &(PlacedLoad, Span)| TimedLoad {
-            forces: load.forces(model),
-            schedule: Schedule { ramp: span.ramp(), until: span.until },
-        };
+        let timed =
+            |(load, span): &(PlacedLoad, Span)| TimedLoad { forces: load.forces(model), schedule: span.schedule() };
         self.loads.iter().map(timed).collect()
     }
 

@@ -1,6 +1,6 @@
 //! When a load or a motion grows and ends: `from`, `to` and `until`.
 
-use grosgrain::dynamics::{Ramp, lasts};
+use grosgrain::dynamics::{Ramp, Schedule};
 
 use super::document::{Item, Reading};
 use super::section::Section;
@@ -23,9 +23,14 @@ impl Span {
         Ramp { from, to: self.to.unwrap_or(from) }
     }
 
+    /// The same as the library says it.
+    pub fn schedule(&self) -> Schedule {
+        Schedule { ramp: self.ramp(), until: self.until }
+    }
+
     /// The share, from 0 to 1, that acts at a time \[s\].
     pub fn factor(&self, time: f64) -> f64 {
-        if lasts(self.until, time) { self.ramp().progress(time) } else { 0.0 }
+        self.schedule().share(time)
     }
 
     /// Whether the share ever changes.

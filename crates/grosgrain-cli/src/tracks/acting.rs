@@ -1,12 +1,12 @@
 //! What acts on the body of a scene, in the library's terms.
 
 use grosgrain::contact::{Ground, surface_areas};
-use grosgrain::dynamics::{Conditions, NodeSpring, Schedule};
+use grosgrain::dynamics::{Conditions, NodeSpring};
 use grosgrain::fine::FineModel;
 use grosgrain::mesh::{Cell, Node};
 
 use crate::problem::Problem;
-use crate::scene::{Scene, Span};
+use crate::scene::Scene;
 
 /// Holds, loads, springs and ground of a scene on its body as it is now.
 pub fn conditions(problem: &Problem) -> Conditions {
@@ -16,7 +16,7 @@ pub fn conditions(problem: &Problem) -> Conditions {
             node: *node,
             stiffness: springs.stiffness,
             target: springs.anchor(*node, model),
-            schedule: schedule(&springs.span),
+            schedule: springs.span.schedule(),
         })
     });
     let (holds, loads) = (problem.holds.clone(), problem.placed.timed(model));
@@ -30,11 +30,6 @@ pub fn ground(scene: &Scene, model: &FineModel) -> Option<Ground> {
         friction: ground.friction,
         stiffness: ground.stiffness.unwrap_or_else(|| stiffness_of_ground(model)),
     })
-}
-
-/// When something acts.
-pub fn schedule(span: &Span) -> Schedule {
-    Schedule { ramp: span.ramp(), until: span.until }
 }
 
 /// Pressure per depth \[Pa/m\] at which a pressure sinks in as deep as it presses one fine cell of the surface together: the mean Young

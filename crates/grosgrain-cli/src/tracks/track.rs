@@ -109,6 +109,15 @@ impl Books {
         if fine.most_elastic > 0.0 { self.most_elastic / fine.most_elastic } else { 1.0 }
     }
 
+    /// Adds a step or an equilibrium with its potential energies at the end.
+    fn add_step(&mut self, seconds: f64, divided: bool, energies: &Energies) {
+        self.solving += seconds;
+        self.steps += 1;
+        self.divided += usize::from(divided);
+        (self.elastic, self.points) = (energies.elastic, energies.points);
+        self.most_elastic = self.most_elastic.max(self.elastic);
+    }
+
     /// What is there: kinetic, elastic, in springs and in the ground \[J\].
     fn stored(&self) -> f64 {
         self.kinetic + self.elastic + self.points
@@ -330,16 +339,12 @@ impl Track {
         let report = with_body(model, problem, |body| stepper.advance(body, state, time, length));
         let report = report.map_err(|error| failed(&error))?;
         let books = &mut self.books;
-        books.solving += start.elapsed().as_secs_f64();
-        books.steps += 1;
-        books.divided += usize::from(report.substeps > 1);
+        books.add_step(start.elapsed().as_secs_f64(), report.substeps > 1, &report.energies);
         books.newton += report.newton_iterations;
         books.linear += report.linear_iterations;
-        books.work += report.work_of_loads + report.work_of_holds;
         books.residual = books.residual.max(report.relative_residual);
-        (books.elastic, books.points, books.kinetic) =
-            (report.energies.elastic, report.energies.points, report.kinetic);
-        books.most_elastic = books.most_elastic.max(books.elastic);
+        books.work += report.work_of_loads + report.work_of_holds;
+        books.kinetic = report.kinetic;
         Ok(report)
     }
 
@@ -362,14 +367,10 @@ impl Track {
         progress.close();
         let report = found.map_err(|error| failed(&error))?;
         let books = &mut self.books;
-        books.solving += start.elapsed().as_secs_f64();
-        books.steps += 1;
-        books.divided += usize::from(report.failures > 0);
+        books.add_step(start.elapsed().as_secs_f64(), report.failures > 0, &report.energies);
         books.newton += report.newton_iterations;
         books.linear += report.linear_iterations;
         books.residual = books.residual.max(report.relative_residual);
-        (books.elastic, books.points) = (report.energies.elastic, report.energies.points);
-        books.most_elastic = books.most_elastic.max(books.elastic);
         Ok(report)
     }
 

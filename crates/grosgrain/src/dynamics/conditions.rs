@@ -1,6 +1,6 @@
 //! What holds and loads a body over time, stated on its fine lattice for the fine and the coarse model alike.
 
-use super::{Holds, Ramp};
+use super::{Holds, Ramp, lasts};
 use crate::contact::{Ground, PointPotential, surface_areas};
 use crate::fine::FineModel;
 use crate::mesh::Node;
@@ -17,11 +17,7 @@ pub struct Schedule {
 impl Schedule {
     /// The share that acts at a time \[s\].
     pub fn share(&self, time: f64) -> f64 {
-        // A step may end a rounding error after the end.
-        match self.until.is_none_or(|until| time <= until + 1e-9 * until.abs()) {
-            true => self.ramp.progress(time),
-            false => 0.0,
-        }
+        if lasts(self.until, time) { self.ramp.progress(time) } else { 0.0 }
     }
 }
 

@@ -173,10 +173,25 @@ fn text(report: &Report, written: &[PathBuf]) -> String {
     let fine_solver =
         report.fine_solver.as_ref().map_or(String::new(), |s| format!(", solved by {}: {}", s.kind, s.reason));
     rows.push(row("fine model", format!("{} unknowns{fine_solver}", count(report.fine.unknowns))));
+    for steps in &report.steps {
+        let times = |s: f64| number((10.0 * s).round() / 10.0);
+        let faster = steps.speed_up.map_or(String::new(), |s| match s < 1.0 {
+            true => format!(", {} times slower than fine", times(1.0 / s)),
+            false => format!(", {} times faster than fine", times(s)),
+        });
+        let value = format!(
+            "{} in {} each{faster}; {:.1} Newton steps each",
+            count(steps.steps),
+            seconds(steps.seconds_per_step),
+            steps.newton_steps as f64 / steps.steps.max(1) as f64
+        );
+        rows.push(row(&format!("steps, {}", steps.method), value));
+    }
     let stages = report.seconds.iter().map(|(stage, s)| format!("{stage} {}", seconds(*s)));
     rows.push(row("time", stages.collect::<Vec<_>>().join(", ")));
     if let Some(error) = &report.error {
-        let value = format!("{:.1} % RMS, energy ratio {}", error.rms_percent, number(error.energy_ratio));
+        let when = if report.steps.is_empty() { "" } else { " at the end" };
+        let value = format!("{:.1} % RMS{when}, energy ratio {}", error.rms_percent, number(error.energy_ratio));
         rows.push(row("error against the fine model", value));
     }
     let files: Vec<String> = written.iter().map(|path| format!("wrote {}", path.display())).collect();

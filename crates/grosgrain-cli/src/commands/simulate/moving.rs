@@ -17,7 +17,7 @@ use crate::outcome::warn_of_softness;
 use crate::picture::{self, Drawn};
 use crate::problem::Problem;
 use crate::progress::Progress;
-use crate::quantities::{count, number, seconds};
+use crate::quantities::{count, number};
 use crate::report::{self, ModelSize, Report, RunError, SCHEMA_VERSION, Steps};
 use crate::results;
 use crate::tracks::{self, Kind, Outcome, Track, TrackStep};
@@ -48,7 +48,7 @@ pub fn run(problem: &mut Problem, method: Method, folder: &Path, progress: &Prog
     let path = folder.join("report.json");
     results::write_json(&path, &report)?;
     written.push(path);
-    results::print(&text(&report, &written))?;
+    results::print(&super::text(&report, &written))?;
     if let Some(fine) = tracks.iter().skip(1).find(|track| track.kind == Kind::Fine) {
         warn_of_softness(&report.method, tracks[0].books.ratio_of_peaks(&fine.books), progress);
     }
@@ -355,38 +355,4 @@ fn make_report(
         frames: std::mem::take(&mut outcome.frames),
         error,
     })
-}
-
-fn text(report: &Report, written: &[PathBuf]) -> String {
-    let row = |name: &str, value: String| (name.to_owned(), value);
-    let mut rows = vec![row("method", report.method.clone())];
-    if let Some(coarse) = &report.coarse {
-        let share = report.fine.unknowns as f64 / coarse.unknowns as f64;
-        let value =
-            format!("{} unknowns, {} times fewer", count(coarse.unknowns), number((10.0 * share).round() / 10.0));
-        rows.push(row("coarse model", value));
-    }
-    rows.push(row("fine model", format!("{} unknowns", count(report.fine.unknowns))));
-    for steps in &report.steps {
-        let times = |s: f64| number((10.0 * s).round() / 10.0);
-        let faster = steps.speed_up.map_or(String::new(), |s| match s < 1.0 {
-            true => format!(", {} times slower than fine", times(1.0 / s)),
-            false => format!(", {} times faster than fine", times(s)),
-        });
-        let value = format!(
-            "{} in {} each{faster}; {:.1} Newton steps each",
-            count(steps.steps),
-            seconds(steps.seconds_per_step),
-            steps.newton_steps as f64 / steps.steps.max(1) as f64
-        );
-        rows.push(row(&format!("steps, {}", steps.method), value));
-    }
-    let stages = report.seconds.iter().map(|(stage, s)| format!("{stage} {}", seconds(*s)));
-    rows.push(row("time", stages.collect::<Vec<_>>().join(", ")));
-    if let Some(error) = &report.error {
-        let value = format!("{:.1} % RMS at the end, energy ratio {}", error.rms_percent, number(error.energy_ratio));
-        rows.push(row("error against the fine model", value));
-    }
-    let files: Vec<String> = written.iter().map(|path| format!("wrote {}", path.display())).collect();
-    format!("{}\n{}\n{}", report.title, results::table(&rows), files.join("\n"))
 }
