@@ -117,14 +117,15 @@ fn an_undone_edit_leaves_the_model_as_before() {
 fn a_step_that_fails_leaves_motion_and_time_together() {
     let acting = |model: &FineModel| {
         let lattice = model.grid().lattice;
-        let end = (0..lattice.node_count()).map(|n| lattice.node_position(Node(n))[0] == 12).collect();
-        // Pressed through the clamp within half a second: no state without inverted cells, but much of the way is possible.
+        let at = |x: usize| (0..lattice.node_count()).map(|n| lattice.node_position(Node(n))[0] == x).collect();
+        // The last layer of coarse cells, all of whose corners are held, is pressed flat and beyond within half a second.
+        let middle = Hold::still("middle", at(10));
         let through = Hold {
             motion: Motion::translate([-0.2, 0.0, 0.0]),
             ramp: Ramp { from: 0.0, to: 0.5 },
-            ..Hold::still("end", end)
+            ..Hold::still("end", at(12))
         };
-        Conditions { holds: Holds(vec![clamped(model), through]), ..Conditions::default() }
+        Conditions { holds: Holds(vec![clamped(model), middle, through]), ..Conditions::default() }
     };
     let mut options = SimulationOptions::default();
     options.steps.max_halvings = 5;
