@@ -12,7 +12,7 @@ mod ordering;
 mod reduction;
 mod sparse_pattern;
 
-pub use cholesky::{Cholesky, CholeskyError, SymbolicCholesky};
+pub use cholesky::{Cholesky, CholeskyError, FactorScalar, SymbolicCholesky};
 pub use conjugate_gradients::{
     ConjugateGradientError, ConjugateGradientInfo, ConjugateGradientParameters, ConjugateGradientWorkspace,
     ConjugateGradients, Identity, LinearOperator, Monitor, Preconditioner, Projector,
@@ -21,6 +21,6 @@ pub use dense_cholesky::{DenseCholesky, DenseCholeskyError};
 pub use multifrontal::{
     DenseFront, Eliminated, FrontalFactors, FrontalPlan, FrontalPlanError, FrontalSolver, box_tree, box_tree_around,
 };
-pub use ordering::nested_dissection;
+pub use ordering::{nested_dissection, postordered};
 pub use reduction::{dot, norm, step, sum_of_blocks};
 pub use sparse_pattern::SparsePattern;

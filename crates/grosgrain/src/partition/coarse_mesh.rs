@@ -4,7 +4,7 @@ use super::copies::CopyFinder;
 use super::parts::{PartFinder, VOID};
 use super::{CellPart, CoarseCell, CoarseNode, Partition};
 use crate::assembly::{CellStiffness, Window};
-use crate::linalg::nested_dissection;
+use crate::linalg::{nested_dissection, postordered};
 use crate::mesh::{Cell, Node};
 
 /// A copy of a coarse node; ordered by node, then copy.
@@ -261,11 +261,12 @@ impl CoarseMesh {
         }
     }
 
-    /// The vertices in the order in which a factorisation should eliminate them: nested dissection of the coarse nodes, the copies
-    /// of a node one after the other.
+    /// The vertices in the order in which a factorisation should eliminate them: nested dissection of the coarse nodes with
+    /// all copies of a node in its place, and of the same eliminations the order that keeps the sides of a cut together.
     pub fn elimination_order(&self) -> Vec<u32> {
         let nodes = nested_dissection(self.partition.coarse().nodes());
-        nodes.into_iter().flat_map(|n| self.first_vertex[n as usize]..self.first_vertex[n as usize + 1]).collect()
+        let copies = |n: u32| self.first_vertex[n as usize]..self.first_vertex[n as usize + 1];
+        postordered(&nodes.into_iter().flat_map(copies).collect::<Vec<_>>(), self.corners())
     }
 }
 
