@@ -17,7 +17,7 @@ use crate::linalg::norm;
 use crate::material::Projection;
 use crate::mesh::Node;
 use crate::partition::CellPart;
-use crate::solver::{ElementCells, ElementTangent, FACTOR_LIMIT};
+use crate::solver::{COARSE_FACTOR_LIMIT, ElementCells, ElementTangent};
 
 /// What the coarse model needs to move. Kept from step to step and across edits; the models are borrowed while steps are made
 /// ([`on`](Self::on)).
@@ -212,7 +212,7 @@ fn solver(coarse: &CoarseModel) -> Result<ElementTangent, TangentError> {
     let mesh = coarse.mesh();
     let cells = mesh.elements().iter().map(|element| element.cell.0 as u32).collect();
     let place = ElementCells { lattice: coarse.partition().coarse(), spacing: coarse.spacing(), cells };
-    Ok(ElementTangent::on_lattice(mesh.elimination_order(), mesh.corners(), place, FACTOR_LIMIT)?)
+    Ok(ElementTangent::on_lattice(mesh.elimination_order(), mesh.corners(), place, COARSE_FACTOR_LIMIT)?)
 }
 
 impl Potential for PointPotential {

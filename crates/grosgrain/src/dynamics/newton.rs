@@ -113,6 +113,8 @@ const SHORTEST: f64 = 1e-6;
 const ARMIJO: f64 = 1e-4;
 /// Differences of energies below this share of the energies are rounding.
 const ROUNDING: f64 = 1e-13;
+/// Where a step promises less than this share of the energies, rounding may hide it, and a residual that falls is the better witness.
+const INDISTINCT: f64 = 1e-11;
 /// Loosest relative residual of a linear solve.
 const LOOSEST: f64 = 0.1;
 
@@ -292,7 +294,9 @@ impl NewtonWorkspace {
             match self.evaluate(body, inertia, u) {
                 Ok(after) => {
                     let rounding = ROUNDING * (before.scale + after.scale);
-                    if after.objective <= before.objective + ARMIJO * share * slope + rounding {
+                    let falls = after.objective <= before.objective + ARMIJO * share * slope + rounding;
+                    let converges = -slope <= INDISTINCT * before.scale && after.residual < before.residual;
+                    if falls || converges {
                         return Ok(Standing { full_step: share == 1.0, inverted, ..after });
                     }
                 }

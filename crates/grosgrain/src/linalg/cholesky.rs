@@ -98,23 +98,37 @@ impl SymbolicCholesky {
     }
 }
 
+/// What factors are made of: `f64`, or `f32` for preconditioners, at half the memory and time.
+pub trait FactorScalar: faer::traits::RealField + Copy {
+    /// Zero.
+    const ZERO: Self;
+}
+
+impl FactorScalar for f32 {
+    const ZERO: Self = 0.0;
+}
+
+impl FactorScalar for f64 {
+    const ZERO: Self = 0.0;
+}
+
 /// A numeric factorisation together with its workspace; refactoring allocates nothing.
-pub struct Cholesky {
+pub struct Cholesky<C = f64> {
     symbolic: Arc<SymbolicCholesky>,
-    values: Vec<f64>,
+    values: Vec<C>,
     factor_scratch: MemBuffer,
     solve_scratch: MemBuffer,
     columns: usize,
     parallelism: Par,
 }
 
-impl std::fmt::Debug for Cholesky {
+impl<C> std::fmt::Debug for Cholesky<C> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Cholesky").field("order", &self.symbolic.order()).field("entries", &self.values.len()).finish()
     }
 }
 
-impl Cholesky {
+impl<C: FactorScalar> Cholesky<C> {
     /// Room for a factorisation on one thread and for solves with up to `columns` right-hand sides.
     ///
     /// # Errors
@@ -139,13 +153,13 @@ impl Cholesky {
     ) -> Result<Self, CholeskyError> {
         let too_large = || CholeskyError::TooLarge { order: symbolic.order() };
         let faer_symbolic = &symbolic.symbolic;
-        let factor = faer_symbolic.factorize_numeric_llt_scratch::<f64>(parallelism, Default::default());
-        let solve = faer_symbolic.solve_in_place_scratch::<f64>(columns, parallelism);
+        let factor = faer_symbolic.factorize_numeric_llt_scratch::<C>(parallelism, Default::default());
+        let solve = faer_symbolic.solve_in_place_scratch::<C>(columns, parallelism);
         let factor_scratch = MemBuffer::try_new(factor).map_err(|_| too_large())?;
         let solve_scratch = MemBuffer::try_new(solve).map_err(|_| too_large())?;
         let mut values = Vec::new();
         values.try_reserve_exact(faer_symbolic.len_val()).map_err(|_| too_large())?;
-        values.resize(faer_symbolic.len_val(), 0.0);
+        values.resize(faer_symbolic.len_val(), C::ZERO);
         Ok(Self { symbolic: symbolic.clone(), values, factor_scratch, solve_scratch, columns, parallelism })
     }
 
@@ -153,7 +167,7 @@ impl Cholesky {
     ///
     /// # Errors
     /// [`CholeskyError::NotPositiveDefinite`] at the first pivot that is not positive.
-    pub fn factor(&mut self, values: &[f64]) -> Result<(), CholeskyError> {
+    pub fn factor(&mut self, values: &[C]) -> Result<(), CholeskyError> {
         let order = self.symbolic.order();
         let pattern = self.symbolic.pattern();
         let shape = SymbolicSparseColMatRef::new_checked(order, order, &pattern.column_starts, None, &pattern.rows);
@@ -177,7 +191,7 @@ impl Cholesky {
     ///
     /// # Panics
     /// Panics when `block` is not a whole number of columns, or more than were reserved.
-    pub fn solve_in_place(&mut self, block: &mut [f64]) {
+    pub fn solve_in_place(&mut self, block: &mut [C]) {
         let order = self.symbolic.order();
         let columns = block.len() / order;
         assert!(columns * order == block.len() && columns <= self.columns, "right-hand side of the wrong shape");
@@ -227,6 +241,21 @@ mod tests {
                 assert!(error < 1e-12, "shift {shift}: residual {error}");
             }
         }
+    }
+
+    #[test]
+    fn a_factor_in_single_precision_solves_to_its_rounding() {
+        let (pattern, values) = path(50, 0.5);
+        let symbolic = Arc::new(SymbolicCholesky::analyse(pattern.clone()).unwrap());
+        let mut cholesky = Cholesky::<f32>::new(symbolic, 1).unwrap();
+        cholesky.factor(&values.iter().map(|v| *v as f32).collect::<Vec<_>>()).unwrap();
+        let rhs: Vec<f64> = (0..50).map(|i| (i as f64).sin()).collect();
+        let mut x: Vec<f32> = rhs.iter().map(|b| *b as f32).collect();
+        cholesky.solve_in_place(&mut x);
+        let (x, mut product): (Vec<f64>, _) = (x.iter().map(|x| f64::from(*x)).collect(), vec![0.0; 50]);
+        pattern.multiply_into(&values, &x, &mut product);
+        let error = product.iter().zip(&rhs).fold(0.0f64, |m, (a, b)| m.max((a - b).abs()));
+        assert!(error > 0.0 && error < 1e-6, "residual {error:e}");
     }
 
     #[test]

@@ -16,7 +16,7 @@ pub use free_support::{free_support, six_components};
 pub use lattice_solver::{Hold, LatticeSystem, SolveReport, SolverChoice};
 pub use multigrid::{Cycle, Multigrid, MultigridError, MultigridParameters};
 pub use rigid_motions::RigidMotions;
-pub use tangent::{ElementCells, ElementTangent, FACTOR_LIMIT, LatticeTangent, LinearReport};
+pub use tangent::{COARSE_FACTOR_LIMIT, ElementCells, ElementTangent, FACTOR_LIMIT, LatticeTangent, LinearReport};
 
 /// Relative residual ‖f − K u‖ / ‖f‖ that every solution of a lattice system or a mesh of elements reaches. (Local training problems are eliminated from outside
 /// in without a solution for all unknowns, so there is no residual; see `training`.)

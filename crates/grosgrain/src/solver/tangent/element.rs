@@ -73,7 +73,7 @@ impl ElementTangent {
         Ok(Self::with_method(order, matrix, Method::Factor(factor, false)))
     }
 
-    /// The same for elements in the cells of a lattice: with more than `factor_limit` unknowns ([`super::FACTOR_LIMIT`] is a good one) a multigrid
+    /// The same for elements in the cells of a lattice: with more than `factor_limit` unknowns ([`super::COARSE_FACTOR_LIMIT`] is a good one for coarse elements) a multigrid
     /// cycle takes the place of the factor. The cycle is the faster choice by far for large meshes, split or not.
     ///
     /// # Errors
@@ -228,13 +228,22 @@ impl System<'_> {
             }
         }
         let refactored = !*is_current;
-        if refactored {
-            factor.factor(self.matrix)?;
-            *is_current = true;
+        loop {
+            if !*is_current {
+                factor.factor(self.matrix)?;
+                *is_current = true;
+            }
+            let patience = factor.patience();
+            let monitor = |iteration, residual| residual <= tolerance || iteration < patience;
+            match self.iterate(factor, tolerance, &monitor) {
+                Err(error) if patience < MAX_ITERATIONS && is_loss_of_digits(&error) => {
+                    before += patience;
+                    factor.ask_for_double();
+                    *is_current = false;
+                }
+                outcome => return outcome.map(|info| report(info, before, refactored)).map_err(|e| self.refused(e)),
+            }
         }
-        let info = self.iterate(factor, tolerance, &|_, _| true).map_err(|error| self.refused(error))?;
-        factor.book(info.iterations);
-        Ok(report(info, before, refactored))
     }
 
     fn solve_with_cycle(
@@ -265,6 +274,15 @@ impl System<'_> {
 
     fn refused(&self, error: ConjugateGradientError) -> SolverError {
         indefinite(error, 3 * self.matrix.vertices())
+    }
+}
+
+/// Whether a preconditioner in single precision may be what has failed: slow, not definite, or beyond its range.
+fn is_loss_of_digits(error: &ConjugateGradientError) -> bool {
+    match error {
+        ConjugateGradientError::Interrupted { .. } | ConjugateGradientError::NonFinite { .. } => true,
+        ConjugateGradientError::Indefinite { what, .. } => *what != "the operator",
+        _ => false,
     }
 }
 

@@ -12,10 +12,13 @@ pub use lattice::LatticeTangent;
 use super::SolverError;
 use crate::linalg::ConjugateGradientError;
 
-/// Number of unknowns up to which a Cholesky factor serves Newton systems as well as a multigrid cycle or better, counted by operations
-/// and measured with `examples/tangent_solvers.rs`: at 37,000 unknowns a new matrix costs five times as much with a factor, and
-/// factors grow with the square of that number.
+/// Number of unknowns of a lattice up to which a Cholesky factor serves Newton systems as well as a multigrid cycle or better, counted by operations
+/// and measured with `examples/tangent_solvers.rs`.
 pub const FACTOR_LIMIT: usize = 8_000;
+
+/// The same for coarse elements: in stiff layers and bones that these do not resolve a cycle needs many iterations, a factor of the last matrix few
+/// (measured on the cut trunk of `scenes/fig4-abdomen.toml`, 26,000 unknowns; factors grow with the power 4/3 of the unknowns, their cost with the square).
+pub const COARSE_FACTOR_LIMIT: usize = 60_000;
 
 /// How a Newton system was solved.
 #[derive(Clone, Copy, Debug, PartialEq)]
