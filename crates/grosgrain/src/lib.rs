@@ -30,6 +30,7 @@ pub mod progress;
 pub mod linalg;
 pub mod mesh;
 pub mod material;
+pub mod simplex;
 pub mod element;
 pub mod assembly;
 pub mod solver;

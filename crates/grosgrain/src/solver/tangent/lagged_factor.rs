@@ -49,7 +49,8 @@ struct Single {
 
 impl Single {
     fn new(symbolic: &Arc<SymbolicCholesky>) -> Result<Self, CholeskyError> {
-        let cholesky = Cholesky::for_large(symbolic.clone(), 1)?;
+        // More threads made it slower: the kernels of single precision are too short.
+        let cholesky = Cholesky::new(symbolic.clone(), 1)?;
         let values = vec![0.0; symbolic.pattern().entry_count()];
         Ok(Self { cholesky, values, scale: 1.0, vector: vec![0.0; symbolic.order()] })
     }
