@@ -10,6 +10,7 @@ mod consistency;
 mod document;
 mod edits;
 mod labels;
+mod material_file;
 mod materials;
 mod motion;
 mod output;
@@ -32,6 +33,7 @@ pub use coarsening::{Coarsening, Training};
 pub use conditions::{Fix, Load, LoadKind, Spring};
 pub use edits::{Repeat, SceneChange, SceneEdit, When};
 pub use labels::Labelling;
+pub use material_file::read_material_file;
 pub use materials::{Constants, SceneMaterial};
 pub use motion::{SceneMotion, SceneTwist};
 pub use output::Output;
@@ -86,6 +88,14 @@ const KEYS: &[&str] =
 /// # Errors
 /// A file that cannot be read; every problem of one that can, each with its key, its line and what is expected.
 pub fn read_scene(file: &Path) -> Result<Scene, SceneError> {
+    read_document(file, |document, table| read_root(document, table, file))
+}
+
+/// Reads a TOML file and collects what `read` notes.
+fn read_document<T>(
+    file: &Path,
+    read: impl for<'s> FnOnce(&'s Document<'s>, &'s toml::Spanned<DeTable<'s>>) -> Reading<T>,
+) -> Result<T, SceneError> {
     let text =
         std::fs::read_to_string(file).map_err(|reason| SceneError::Unreadable { file: file.to_path_buf(), reason })?;
     let folder = file.parent().unwrap_or(Path::new(""));
@@ -100,10 +110,10 @@ pub fn read_scene(file: &Path) -> Result<Scene, SceneError> {
             return Err(SceneError::Unusable { file: file.to_path_buf(), problems: document.into_problems() });
         }
     };
-    let reading = read_root(&document, &table, file);
+    let reading = read(&document, &table);
     let problems = document.into_problems();
     match reading {
-        Ok(scene) if problems.is_empty() => Ok(scene),
+        Ok(value) if problems.is_empty() => Ok(value),
         _ => Err(SceneError::Unusable { file: file.to_path_buf(), problems }),
     }
 }
