@@ -2,7 +2,7 @@
 
 use std::process::ExitCode;
 
-use grosgrain::io::{ReadError, WriteError};
+use grosgrain::io::{MeshReadError, MeshWriteError, ReadError, WriteError};
 
 use crate::scene::SceneError;
 
@@ -49,6 +49,18 @@ impl From<ReadError> for Failure {
 
 impl From<WriteError> for Failure {
     fn from(error: WriteError) -> Self {
+        Self::Failed(error.to_string())
+    }
+}
+
+impl From<MeshReadError> for Failure {
+    fn from(error: MeshReadError) -> Self {
+        Self::Failed(error.to_string())
+    }
+}
+
+impl From<MeshWriteError> for Failure {
+    fn from(error: MeshWriteError) -> Self {
         Self::Failed(error.to_string())
     }
 }

@@ -34,6 +34,7 @@ pub mod simplex;
 pub mod element;
 pub mod assembly;
 pub mod solver;
+pub mod homogenization;
 pub mod fine;
 pub mod contact;
 pub mod partition;

@@ -149,6 +149,23 @@ fn source_keys(text: &str) -> Vec<String> {
 }
 
 #[test]
+fn every_work_stands_in_the_bibliography_once_and_is_closed() {
+    let bibliography = fs::read_to_string(workspace().join("docs/references.bib")).unwrap();
+    let mut keys: Vec<&str> = Vec::new();
+    let mut depth = 0i64;
+    for line in bibliography.lines() {
+        if let Some(entry) = line.strip_prefix('@') {
+            assert_eq!(depth, 0, "the entry before {entry:?} has no end");
+            let key = entry.split(['{', ',']).nth(1).unwrap_or_default();
+            assert!(!keys.contains(&key), "{key} stands there twice");
+            keys.push(key);
+        }
+        depth += line.matches('{').count() as i64 - line.matches('}').count() as i64;
+    }
+    assert!(depth == 0 && keys.len() > 20, "{depth} {}", keys.len());
+}
+
+#[test]
 fn every_cited_source_is_in_the_bibliography() {
     assert_eq!(source_keys("see (`he2022fast`, `x`) and `pub fn`"), ["he2022fast"]);
     let bibliography = fs::read_to_string(workspace().join("docs/references.bib")).unwrap();

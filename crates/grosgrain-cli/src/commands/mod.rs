@@ -3,6 +3,7 @@
 mod coarsen;
 mod compare;
 mod convert;
+mod homogenize;
 mod inspect;
 mod reproduce;
 mod simulate;
@@ -15,7 +16,7 @@ use crate::progress::Progress;
 /// A command with its arguments.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Says what volumes, scenes and models hold
+    /// Says what volumes, meshes, scenes and models hold
     Inspect(inspect::Arguments),
     /// Trains and fits the coarse model of a scene's body
     Coarsen(coarsen::Arguments),
@@ -25,7 +26,9 @@ pub enum Command {
     Compare(compare::Arguments),
     /// Runs a table or figure of the papers again and prints it next to the published figures
     Reproduce(reproduce::Arguments),
-    /// Converts a volume from one format to another
+    /// Effective elasticity tensors of a coarse mesh from a fine one with a material per cell
+    Homogenize(homogenize::Arguments),
+    /// Converts a volume or a mesh from one format to another
     Convert(convert::Arguments),
 }
 
@@ -41,6 +44,7 @@ impl Command {
             Self::Simulate(arguments) => simulate::run(arguments, progress),
             Self::Compare(arguments) => compare::run(arguments, progress),
             Self::Reproduce(arguments) => reproduce::run(arguments, progress),
+            Self::Homogenize(arguments) => homogenize::run(arguments, progress),
             Self::Convert(arguments) => convert::run(arguments, progress),
         }
     }

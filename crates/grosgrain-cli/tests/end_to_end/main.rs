@@ -2,6 +2,7 @@
 
 mod accepted_runs;
 mod edits;
+mod homogenize;
 mod interruption;
 mod models;
 mod moving;

@@ -6,8 +6,29 @@ use super::program::{grosgrain, names};
 fn reproduce_lists_what_there_is() {
     let folder = tempfile::tempdir().unwrap();
     let told = grosgrain(folder.path(), &["reproduce", "--list"]).done().stdout;
-    let listed: Vec<&str> = told.lines().skip(1).filter_map(|line| line.split_whitespace().next()).collect();
-    assert_eq!(listed, ["table1", "table2", "table3", "fig1", "fig2", "fig3", "fig4", "fig5"], "{told}");
+    let indented = told.lines().filter(|line| line.starts_with(' '));
+    let listed: Vec<&str> = indented.filter_map(|line| line.split_whitespace().next()).collect();
+    let fast = ["table1", "table2", "table3", "fig1", "fig2", "fig3", "fig4", "fig5"];
+    assert_eq!(listed, [&fast[..], &["springs", "homogeneous"]].concat(), "{told}");
+}
+
+#[test]
+fn springs_and_homogeneous_bodies_are_exact() {
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = ["reproduce", "springs", "homogeneous", "--json", "rows.json"];
+    let told = grosgrain(folder.path(), &arguments).done().stdout;
+    assert!(told.contains("springs in series") && told.contains("tetrahedra"), "{told}");
+    let rows: serde_json::Value =
+        serde_json::from_str(&std::fs::read_to_string(folder.path().join("rows.json")).unwrap()).unwrap();
+    for row in rows.as_array().unwrap() {
+        let [published, measured] = ["published", "measured"].map(|key| row[key].as_f64().unwrap());
+        let exact = match row["name"].as_str().unwrap() {
+            "springs" => (measured / published - 1.0).abs() < 1e-12,
+            _ => measured < 1e-10,
+        };
+        assert!(exact, "{row}");
+    }
+    assert_eq!(rows.as_array().unwrap().len(), 7);
 }
 
 #[test]
@@ -19,8 +40,20 @@ fn unusable_arguments_of_reproduce_exit_with_2_and_say_what_is_expected() {
         assert!(parts.iter().all(|part| run.stderr.contains(part)), "{arguments:?}: {}", run.stderr);
     };
     refused(&[], &["NAME"]);
-    refused(&["tabel2"], &["did you mean \"table2\"?", "expected table1, table2, table3 or fig1 to fig5"]);
-    refused(&["fig9x"], &["nothing is published as \"fig9x\"", "table1, table2, table3 or fig1 to fig5"]);
+    refused(
+        &["tabel2"],
+        &[
+            "did you mean \"table2\"?",
+            "expected table1, table2, table3, fig1, fig2, fig3, fig4, fig5, springs and homogeneous",
+        ],
+    );
+    refused(
+        &["fig9x"],
+        &[
+            "nothing is published as \"fig9x\"",
+            "table1, table2, table3, fig1, fig2, fig3, fig4, fig5, springs and homogeneous",
+        ],
+    );
     refused(&["table1", "--degrees", "8"], &["table1 has degrees 2 to 7, not 8"]);
     refused(&["table1", "table3", "--degrees", "6"], &["table3 has degrees 2 to 5, not 6"]);
     refused(&["table1", "--degrees", "two"], &["two"]);
@@ -29,6 +62,7 @@ fn unusable_arguments_of_reproduce_exit_with_2_and_say_what_is_expected() {
     refused(&["fig5", "--patterns", "oblique"], &["fig5 is described by its scene; leave --patterns out"]);
     refused(&["table1", "--steps", "4"], &["table1 has no scene; leave --steps out, which is for fig1, fig4 and fig5"]);
     refused(&["fig1", "fig2", "--scenes", "."], &["fig2 has no scene; leave --scenes out"]);
+    refused(&["springs", "--degrees", "4"], &["springs has nothing to choose; leave --degrees out"]);
     refused(&["table2", "--patterns", "oblique"], &["table2 is measured on one body"]);
     std::fs::write(folder.path().join("file"), "precious").unwrap();
     refused(&["fig2", "-o", "file"], &["is a file; results need a folder"]);

@@ -6,9 +6,11 @@
 mod friction;
 mod ground;
 mod potential;
+mod simplex_surface;
 mod surface;
 
 pub use friction::Grip;
 pub use ground::Ground;
 pub use potential::{PointPotential, PointResponse};
+pub use simplex_surface::simplex_surface_areas;
 pub use surface::surface_areas;

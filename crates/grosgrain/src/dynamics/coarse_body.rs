@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::conditions::NodePotential;
+use super::element_products::add_products;
 use super::{Body, Conditions, Energies, Inversion, LinearStep, Moment, QuadraticWeights, State, TangentError};
 use crate::assembly::Constraints;
 use crate::coarse::{
@@ -299,17 +300,6 @@ impl CoarseBody<'_> {
         // A state that was accepted is not inverted.
         if corotated.positions(self.coarse, displacement, positions).is_ok() {
             potentials.iter_mut().zip(positions).for_each(|(potential, at)| visit(potential, *at));
-        }
-    }
-}
-
-/// product += factor Σ K_e v_e.
-fn add_products((corners, matrices): (&[[u32; 8]], &[CellMatrix]), factor: f64, vector: &[f64], product: &mut [f64]) {
-    for (corners, matrix) in corners.iter().zip(matrices) {
-        let at = |i: usize| 3 * corners[i / 3] as usize + i % 3;
-        let local: [f64; 24] = std::array::from_fn(|i| vector[at(i)]);
-        for (i, row) in matrix.chunks_exact(24).enumerate() {
-            product[at(i)] += factor * row.iter().zip(&local).map(|(k, v)| k * v).sum::<f64>();
         }
     }
 }

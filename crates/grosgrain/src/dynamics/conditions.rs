@@ -19,6 +19,16 @@ impl Schedule {
     pub fn share(&self, time: f64) -> f64 {
         if lasts(self.until, time) { self.ramp.progress(time) } else { 0.0 }
     }
+
+    /// A potential as it acts at a time: springs by their share, the ground always.
+    pub(super) fn acting(&self, potential: PointPotential, time: f64) -> PointPotential {
+        match potential {
+            PointPotential::Spring { stiffness, target } => {
+                PointPotential::Spring { stiffness: self.share(time) * stiffness, target }
+            }
+            ground => ground,
+        }
+    }
 }
 
 /// Dead loads on the fine lattice.
@@ -104,11 +114,6 @@ impl Conditions {
 impl NodePotential {
     /// The potential as it acts at a time.
     pub fn at(&self, time: f64) -> PointPotential {
-        match self.potential {
-            PointPotential::Spring { stiffness, target } => {
-                PointPotential::Spring { stiffness: self.schedule.share(time) * stiffness, target }
-            }
-            ground => ground,
-        }
+        self.schedule.acting(self.potential, time)
     }
 }

@@ -112,7 +112,7 @@ fn write_topology(
 }
 
 /// Uncompressed entries that may exceed 4 GiB.
-fn stored() -> SimpleFileOptions {
+pub(super) fn stored() -> SimpleFileOptions {
     SimpleFileOptions::default().compression_method(CompressionMethod::Stored).large_file(true)
 }
 

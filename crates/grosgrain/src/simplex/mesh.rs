@@ -94,7 +94,7 @@ impl SimplexMesh {
         let (mut inverted, mut flat) = (Vec::new(), Vec::new());
         for cell in 0..self.cell_count() {
             let (measure, regular) = (self.measure(cell), self.regular_measure(cell));
-            if measure.abs() < FLAT * regular || !measure.is_finite() {
+            if measure == 0.0 || measure.abs() < FLAT * regular || !measure.is_finite() {
                 flat.push((cell, measure));
             } else if measure < 0.0 {
                 inverted.push((cell, measure));
@@ -191,6 +191,42 @@ impl SimplexMesh {
         weights
     }
 
+    /// Mean \[m\] of the corners of a cell.
+    pub fn centre(&self, cell: usize) -> [f64; 3] {
+        let corners = self.dimension.corners();
+        std::array::from_fn(|r| (0..corners).map(|n| self.corner(cell, n)[r]).sum::<f64>() / corners as f64)
+    }
+
+    /// The same mesh with the tags that `tag` gives to the centres \[m\] of cells.
+    #[must_use]
+    pub fn tagged(mut self, tag: impl Fn([f64; 3]) -> i32) -> Self {
+        self.tags = (0..self.cell_count()).map(|cell| tag(self.centre(cell))).collect();
+        self
+    }
+
+    /// The mesh of the cells that `keeps` accepts by their number, and the old number of each of them; nodes that none of them has are left out, the others keep their order.
+    ///
+    /// # Errors
+    /// No cell is accepted.
+    pub fn part(&self, keeps: impl Fn(usize) -> bool) -> Result<(Self, Vec<u32>), SimplexMeshError> {
+        let kept: Vec<u32> = (0..self.cell_count()).filter(|cell| keeps(*cell)).map(|cell| cell as u32).collect();
+        if kept.is_empty() {
+            return Err(SimplexMeshError::Empty { dimension: self.dimension });
+        }
+        let mut numbers = vec![NO_NODE; self.nodes.len()];
+        kept.iter().flat_map(|cell| self.cell(*cell as usize)).for_each(|node| numbers[*node as usize] = 0);
+        let used = numbers.iter_mut().zip(&self.nodes).filter(|(number, _)| **number == 0);
+        let nodes = used.zip(0..).map(|((number, at), n)| {
+            *number = n;
+            *at
+        });
+        let nodes = nodes.collect();
+        let renumbered = |node: u32| numbers.get(node as usize).copied().unwrap_or(NO_NODE);
+        let cells = kept.iter().map(|cell| self.cells[*cell as usize].map(renumbered)).collect();
+        let tags = kept.iter().map(|cell| self.tags[*cell as usize]).collect();
+        Ok((Self { dimension: self.dimension, nodes, cells, tags }, kept))
+    }
+
     /// Sum of the measures of all cells.
     pub fn total_measure(&self) -> f64 {
         sum_of_blocks(self.cell_count(), &|from, to| [(from..to).map(|c| self.measure(c)).sum()])[0]
@@ -249,6 +285,22 @@ mod tests {
     }
 
     #[test]
+    fn a_part_has_the_nodes_of_its_cells_in_their_order() {
+        let nodes = [0.0, 4.0, 1.0, 3.0, 2.0].map(|x| [x, 0.0, 0.0]).to_vec();
+        let cells = [[0, 2], [2, 4], [4, 3], [3, 1]].map(|[a, b]| [a, b, 0, 0]).to_vec();
+        let mesh = SimplexMesh::new(Dimension::One, nodes, cells, vec![5, 6, 7, 8]).unwrap();
+        let (part, cells) = mesh.part(|cell| cell > 1).unwrap();
+        assert_eq!(cells, [2, 3]);
+        assert_eq!(
+            (part.nodes().iter().map(|x| x[0]).collect::<Vec<_>>(), part.tags()),
+            (vec![4.0, 3.0, 2.0], &[7, 8][..])
+        );
+        assert_eq!((part.cell(0), part.cell(1), part.total_measure()), (&[2, 1][..], &[1, 0][..], 2.0));
+        assert_eq!(mesh.part(|_| false).unwrap_err(), SimplexMeshError::Empty { dimension: Dimension::One });
+        assert_eq!(mesh.tagged(|x| (2.0 * x[0]) as i32).tags(), [1, 3, 5, 7]);
+    }
+
+    #[test]
     fn each_damage_is_refused_with_its_place() {
         let [a, b, c, d] = CORNERS;
         let inverted = tetrahedron([b, a, c, d]).unwrap_err();
@@ -256,6 +308,10 @@ mod tests {
         let between = std::array::from_fn(|r| 0.25 * a[r] + 0.5 * b[r] + 0.25 * c[r]);
         let flat = tetrahedron([a, b, c, between]).unwrap_err();
         assert!(matches!(flat, SimplexMeshError::Flat { cell: 0, .. }), "{flat}");
+        for dimension in [Dimension::One, Dimension::Two, Dimension::Three] {
+            let at_one_place = SimplexMesh::new(dimension, vec![[0.0; 3]; 4], vec![[0, 1, 2, 3]], vec![0]).unwrap_err();
+            assert!(matches!(at_one_place, SimplexMeshError::Flat { cell: 0, .. }), "{at_one_place}");
+        }
         let odd = tetrahedron([a, b, c, [f64::NAN; 3]]).unwrap_err();
         assert!(matches!(odd, SimplexMeshError::Coordinate { node: 3, .. }), "{odd}");
         let make = |cells: Vec<[u32; 4]>, tags| SimplexMesh::new(Dimension::Three, CORNERS.to_vec(), cells, tags);

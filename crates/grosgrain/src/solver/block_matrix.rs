@@ -4,7 +4,6 @@ use rayon::prelude::*;
 
 use super::SolverError;
 use crate::assembly::Constraints;
-use crate::element::CellMatrix;
 use crate::linalg::{CholeskyError, LinearOperator, SparsePattern};
 
 /// Vertices per task of parallel loops.
@@ -30,16 +29,16 @@ impl Coefficient for f64 {
 
 /// Rows of blocks, both triangles, so that a product gathers and needs no colours: every sum has one order.
 ///
-/// Prescribed components are zero rows and columns. Vertices stand in elimination order.
+/// Prescribed components are zero rows and columns. Vertices stand in elimination order. Elements have N corners and row-major matrices of 3 N rows.
 #[derive(Debug)]
-pub(super) struct BlockMatrix<C = f64> {
+pub(super) struct BlockMatrix<C = f64, const N: usize = 8> {
     /// Where the incidences of each vertex start.
     incidence_starts: Vec<u32>,
-    /// 8 × element + corner, by vertex.
+    /// N × element + corner, by vertex.
     incidences: Vec<u32>,
-    corners: Vec<[u32; 8]>,
-    /// Per element, for corners a and b at `8 a + b`: the place of b's vertex in the row of a's.
-    places: Vec<[u32; 64]>,
+    corners: Vec<[u32; N]>,
+    /// N² per element, for corners a and b at `N a + b`: the place of b's vertex in the row of a's.
+    places: Vec<u32>,
     row_starts: Vec<u32>,
     columns: Vec<u32>,
     /// Three rows of numbers per vertex, so that products run along them.
@@ -48,16 +47,16 @@ pub(super) struct BlockMatrix<C = f64> {
     free: Vec<u8>,
 }
 
-impl<C: Coefficient> BlockMatrix<C> {
+impl<C: Coefficient, const N: usize> BlockMatrix<C, N> {
     /// The zero matrix of `vertices` vertices and elements with these corners.
-    pub fn new(vertices: usize, corners: Vec<[u32; 8]>) -> Result<Self, SolverError> {
+    pub fn new(vertices: usize, corners: Vec<[u32; N]>) -> Result<Self, SolverError> {
         let (incidence_starts, incidences) = incidences(vertices, &corners);
         let (mut row_starts, mut columns) = (vec![0u32], Vec::new());
         let mut row = Vec::new();
         for v in 0..vertices {
             row.clear();
             let own = &incidences[incidence_starts[v] as usize..incidence_starts[v + 1] as usize];
-            row.extend(own.iter().flat_map(|n| corners[*n as usize / 8]));
+            row.extend(own.iter().flat_map(|n| corners[*n as usize / N]));
             row.push(v as u32);
             row.sort_unstable();
             row.dedup();
@@ -72,7 +71,8 @@ impl<C: Coefficient> BlockMatrix<C> {
             let row = &columns[row_starts[a as usize] as usize..row_starts[a as usize + 1] as usize];
             row.partition_point(|column| *column < b) as u32
         };
-        let places = corners.iter().map(|c| std::array::from_fn(|n| place(c[n / 8], c[n % 8]))).collect();
+        let places = corners.iter().flat_map(|c| c.iter().flat_map(move |a| c.iter().map(move |b| (*a, *b))));
+        let places = places.map(|(a, b)| place(a, b)).collect();
         let values = vec![C::default(); 9 * columns.len()];
         Ok(Self { incidence_starts, incidences, corners, places, row_starts, columns, values, free: vec![7; vertices] })
     }
@@ -92,8 +92,8 @@ impl<C: Coefficient> BlockMatrix<C> {
         changed
     }
 
-    /// Adds up factor × matrix of the elements, from zero.
-    pub fn assemble<'k>(&mut self, stiffness: &(impl Fn(usize) -> (f64, &'k CellMatrix) + Sync)) {
+    /// Adds up factor × matrix of the elements, from zero; a matrix has 9 N² entries.
+    pub fn assemble<'k>(&mut self, stiffness: &(impl Fn(usize) -> (f64, &'k [f64]) + Sync)) {
         let Self { incidence_starts, incidences, places, row_starts, columns, values, free, .. } = self;
         let (places, columns, free) = (&*places, &*columns, &*free);
         let rows = split_rows(values, row_starts);
@@ -105,10 +105,10 @@ impl<C: Coefficient> BlockMatrix<C> {
                 sums.clear();
                 sums.resize(row.len(), 0.0);
                 for n in &incidences[incidence_starts[v] as usize..incidence_starts[v + 1] as usize] {
-                    let (element, a) = (*n as usize / 8, *n as usize % 8);
+                    let (element, a) = (*n as usize / N, *n as usize % N);
                     let (factor, matrix) = stiffness(element);
-                    let (three, _) = matrix[72 * a..72 * a + 72].as_chunks::<24>();
-                    add_rows(factor, three, &places[element][8 * a..8 * a + 8], &mut sums);
+                    let (three, at) = (&matrix[9 * N * a..9 * N * (a + 1)], N * *n as usize);
+                    add_rows::<N>(factor, three, &places[at..at + N], &mut sums);
                 }
                 clear_prescribed(&mut sums, v, &columns[row_starts[v] as usize..row_starts[v + 1] as usize], free);
                 row.iter_mut().zip(&sums).for_each(|(value, sum)| *value = C::of(*sum));
@@ -144,7 +144,7 @@ impl<C: Coefficient> BlockMatrix<C> {
     }
 
     /// Corners of the elements.
-    pub fn corners(&self) -> &[[u32; 8]] {
+    pub fn corners(&self) -> &[[u32; N]] {
         &self.corners
     }
 
@@ -195,7 +195,7 @@ impl<C: Coefficient> BlockMatrix<C> {
     }
 }
 
-impl<C: Coefficient> LinearOperator for BlockMatrix<C> {
+impl<C: Coefficient, const N: usize> LinearOperator for BlockMatrix<C, N> {
     fn apply(&self, x: &[f64], y: &mut [f64]) {
         let (x, _) = x.as_chunks::<3>();
         y.par_chunks_mut(3 * TASK).enumerate().for_each(|(task, y)| {
@@ -206,8 +206,8 @@ impl<C: Coefficient> LinearOperator for BlockMatrix<C> {
 }
 
 /// The rows of some vertices times a vector, compiled for the widest registers.
-struct Product<'a, C> {
-    matrix: &'a BlockMatrix<C>,
+struct Product<'a, C, const N: usize> {
+    matrix: &'a BlockMatrix<C, N>,
     first: usize,
     x: &'a [[f64; 3]],
     y: &'a mut [[f64; 3]],
@@ -216,7 +216,7 @@ struct Product<'a, C> {
 /// Blocks whose part of the vector is gathered at a time; more than the 27 of a lattice.
 const GATHERED: usize = 32;
 
-impl<C: Coefficient> pulp::WithSimd for Product<'_, C> {
+impl<C: Coefficient, const N: usize> pulp::WithSimd for Product<'_, C, N> {
     type Output = ();
 
     #[inline(always)]
@@ -261,13 +261,13 @@ fn along<C: Coefficient>(a: &[C], x: &[f64]) -> f64 {
     sum + ((four[0] + four[2]) + (four[1] + four[3]))
 }
 
-/// 8 × element + corner by vertex, in ascending order, and where those of each vertex start.
-fn incidences(vertices: usize, corners: &[[u32; 8]]) -> (Vec<u32>, Vec<u32>) {
+/// N × element + corner by vertex, in ascending order, and where those of each vertex start.
+fn incidences<const N: usize>(vertices: usize, corners: &[[u32; N]]) -> (Vec<u32>, Vec<u32>) {
     let mut starts = vec![0u32; vertices + 1];
     corners.iter().flatten().for_each(|v| starts[*v as usize + 1] += 1);
     (0..vertices).for_each(|v| starts[v + 1] += starts[v]);
     let mut next = starts.clone();
-    let mut incidences = vec![0; 8 * corners.len()];
+    let mut incidences = vec![0; N * corners.len()];
     for (n, v) in corners.iter().flatten().enumerate() {
         incidences[next[*v as usize] as usize] = n as u32;
         next[*v as usize] += 1;
@@ -289,9 +289,9 @@ fn split_rows<'b, C>(mut values: &'b mut [C], row_starts: &[u32]) -> Vec<(usize,
 }
 
 /// Adds the three rows of a corner to the rows of its vertex, at the places of the element's vertices.
-fn add_rows(factor: f64, three: &[[f64; 24]], places: &[u32], sums: &mut [f64]) {
+fn add_rows<const N: usize>(factor: f64, three: &[f64], places: &[u32], sums: &mut [f64]) {
     let length = sums.len() / 3;
-    for (row, sums) in three.iter().zip(sums.chunks_exact_mut(length)) {
+    for (row, sums) in three.chunks_exact(3 * N).zip(sums.chunks_exact_mut(length)) {
         let (sums, _) = sums.as_chunks_mut::<3>();
         for (block, place) in row.as_chunks::<3>().0.iter().zip(places) {
             let sum = &mut sums[*place as usize];

@@ -69,7 +69,7 @@ pub enum SolverError {
 
 impl SolverError {
     /// Refuses a relative residual above [`super::TOLERANCE`] of a system of `order` unknowns.
-    pub(super) fn check(residual: f64, order: usize) -> Result<f64, Self> {
+    pub(crate) fn check(residual: f64, order: usize) -> Result<f64, Self> {
         match residual <= super::TOLERANCE {
             true => Ok(residual),
             false => Err(Self::Inaccurate { residual, tolerance: super::TOLERANCE, order }),

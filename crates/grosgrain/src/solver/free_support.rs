@@ -28,14 +28,19 @@ pub fn six_components(lattice: Lattice, spacing: [f64; 3], marked: &[bool]) -> O
         let at = lattice.node_position(Node(n));
         std::array::from_fn(|a| at[a] as f64 * spacing[a])
     };
-    let nodes = || (0..marked.len()).filter(|&n| marked[n]);
+    let marked: Vec<usize> = (0..marked.len()).filter(|&n| marked[n]).collect();
+    Some(six_components_among(&marked, position)?.map(|(node, component)| (Node(node), component)))
+}
+
+/// [`six_components`] of any nodes with these positions.
+pub fn six_components_among(nodes: &[usize], position: impl Fn(usize) -> [f64; 3]) -> Option<[(usize, usize); 6]> {
     let farthest = |measure: &dyn Fn([f64; 3]) -> f64| {
-        nodes().fold((0, f64::NEG_INFINITY), |best, n| {
+        nodes.iter().fold((0, f64::NEG_INFINITY), |best, &n| {
             let value = measure(position(n));
             if value > best.1 { (n, value) } else { best }
         })
     };
-    let a = nodes().next()?;
+    let a = *nodes.first()?;
     let from_a = |x: [f64; 3]| -> [f64; 3] { std::array::from_fn(|i| x[i] - position(a)[i]) };
     let (b, _) = farthest(&|x| square(from_a(x)));
     let line = from_a(position(b));
@@ -45,8 +50,8 @@ pub fn six_components(lattice: Lattice, spacing: [f64; 3], marked: &[bool]) -> O
         return None;
     }
     let [first, second] = [[1, 2], [0, 2], [0, 1]][largest(line)];
-    let of_a = [0, 1, 2].map(|r| (Node(a), r));
-    Some([of_a[0], of_a[1], of_a[2], (Node(b), first), (Node(b), second), (Node(c), largest(turn))])
+    let of_a = [0, 1, 2].map(|r| (a, r));
+    Some([of_a[0], of_a[1], of_a[2], (b, first), (b, second), (c, largest(turn))])
 }
 
 fn square(v: [f64; 3]) -> f64 {

@@ -12,9 +12,10 @@ mod tangent;
 
 pub use direct::{AnalysedLattice, DirectSolver, SolverError, Support};
 pub use element_system::ElementSystem;
-pub use free_support::{free_support, six_components};
+pub use free_support::{free_support, six_components, six_components_among};
 pub use lattice_solver::{Hold, LatticeSystem, SolveReport, SolverChoice};
 pub use multigrid::{Cycle, Multigrid, MultigridError, MultigridParameters};
+pub(crate) use refined_cholesky::RefinedCholesky;
 pub use rigid_motions::RigidMotions;
 pub use tangent::{COARSE_FACTOR_LIMIT, ElementCells, ElementTangent, FACTOR_LIMIT, LatticeTangent, LinearReport};
 

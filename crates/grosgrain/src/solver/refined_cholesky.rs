@@ -18,7 +18,7 @@ const STALLED: f64 = 0.9;
 
 /// A factorisation with its matrix, prescribed unknowns and workspace. All vectors are in elimination order.
 #[derive(Debug)]
-pub(super) struct RefinedCholesky {
+pub(crate) struct RefinedCholesky {
     symbolic: Arc<SymbolicCholesky>,
     values: Vec<f64>,
     shift: Vec<f64>,
@@ -39,7 +39,7 @@ impl RefinedCholesky {
     }
 
     /// With threads inside the factorisation, and refined further.
-    pub(super) fn for_large(symbolic: Arc<SymbolicCholesky>, columns: usize) -> Result<Self, SolverError> {
+    pub(crate) fn for_large(symbolic: Arc<SymbolicCholesky>, columns: usize) -> Result<Self, SolverError> {
         let cholesky = Cholesky::for_large(symbolic.clone(), columns)?;
         Ok(Self { target: REFINED_RESIDUAL, ..Self::with_cholesky(symbolic, cholesky, columns) })
     }
@@ -66,12 +66,12 @@ impl RefinedCholesky {
 
     /// Lets `fill` write the matrix, one value per entry of the pattern with identity rows and columns at prescribed
     /// unknowns, and mark these.
-    pub(super) fn refill(&mut self, fill: impl FnOnce(&mut [f64], &mut [bool])) {
+    pub(crate) fn refill(&mut self, fill: impl FnOnce(&mut [f64], &mut [bool])) {
         fill(&mut self.values, &mut self.fixed);
     }
 
     /// Factors the matrix; with a shifted diagonal where it `is_free`, or where rounding has made it indefinite.
-    pub(super) fn factor(&mut self, is_free: bool) -> Result<(), SolverError> {
+    pub(crate) fn factor(&mut self, is_free: bool) -> Result<(), SolverError> {
         self.shift.clear();
         if !is_free {
             match self.cholesky.factor(&self.values) {
@@ -94,18 +94,18 @@ impl RefinedCholesky {
     }
 
     /// Where the loads of a column go before [`RefinedCholesky::solve`].
-    pub(super) fn loads_mut(&mut self, column: usize) -> &mut [f64] {
+    pub(crate) fn loads_mut(&mut self, column: usize) -> &mut [f64] {
         let order = self.order();
         &mut self.residual[order * column..][..order]
     }
 
     /// The solution of a column.
-    pub(super) fn solution(&self, column: usize) -> &[f64] {
+    pub(crate) fn solution(&self, column: usize) -> &[f64] {
         &self.solution[self.order() * column..][..self.order()]
     }
 
     /// Solves for the loads of the first `columns` columns, zero where prescribed; returns the largest relative residual.
-    pub(super) fn solve(&mut self, columns: usize) -> f64 {
+    pub(crate) fn solve(&mut self, columns: usize) -> f64 {
         let order = self.order();
         for c in 0..columns {
             let unknowns = &mut self.residual[order * c..][..order];

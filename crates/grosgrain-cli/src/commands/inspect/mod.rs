@@ -1,5 +1,6 @@
-//! `inspect`: what volumes, scenes and models hold.
+//! `inspect`: what volumes, meshes, scenes and models hold.
 
+pub(super) mod mesh;
 mod model;
 mod scene;
 mod volume;
@@ -7,6 +8,7 @@ mod volume;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use grosgrain::io::MeshFormat;
 use serde::Serialize;
 
 use crate::failure::Failure;
@@ -16,13 +18,13 @@ use crate::results;
 
 const EXAMPLES: &str = "Examples:
   grosgrain inspect data/ct_torso/example_ct.nii.gz
-  grosgrain inspect --json scenes/beam-oblique.toml scenes/torso.toml";
+  grosgrain inspect --json scenes/torso.toml data/meshes/bimetal.msh";
 
 /// Arguments of `inspect`.
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
-    /// Volumes, scenes (.toml) or models (.npz)
+    /// Volumes, meshes (.msh, .mesh, .node, .vtu, .vtk, .inp), scenes (.toml) or models (.npz)
     #[arg(value_name = "FILE", required = true)]
     files: Vec<PathBuf>,
     /// Write a list of JSON objects to stdout, one for each file
@@ -35,6 +37,7 @@ pub struct Arguments {
 #[serde(tag = "kind", rename_all = "lowercase")]
 enum Contents {
     Volume(volume::VolumeSummary),
+    Mesh(mesh::MeshSummary),
     Scene(Box<scene::SceneSummary>),
     Model(model::ModelSummary),
 }
@@ -67,7 +70,7 @@ pub fn run(arguments: &Arguments, progress: &Progress) -> Result<(), Failure> {
 fn inspect(file: &Path, progress: &Progress) -> Result<Contents, Failure> {
     if !file.exists() {
         return Err(Failure::Unusable(format!(
-            "{} does not exist; expected a volume, a scene or a model",
+            "{} does not exist; expected a volume, a mesh, a scene or a model",
             file.display()
         )));
     }
@@ -75,6 +78,7 @@ fn inspect(file: &Path, progress: &Progress) -> Result<Contents, Failure> {
     match extension.as_str() {
         "toml" => scene::summarise(file, progress).map(|summary| Contents::Scene(Box::new(summary))),
         "npz" => model::summarise(file).map(Contents::Model),
+        _ if MeshFormat::of_name(file).is_some() => mesh::summarise(file).map(Contents::Mesh),
         _ => volume::summarise(file).map(Contents::Volume),
     }
 }
@@ -83,6 +87,7 @@ impl Contents {
     fn rows(&self) -> Vec<(String, String)> {
         match self {
             Self::Volume(summary) => summary.rows(),
+            Self::Mesh(summary) => summary.rows(),
             Self::Scene(summary) => summary.rows(),
             Self::Model(summary) => summary.rows(),
         }

@@ -5,12 +5,13 @@ use std::str::FromStr;
 
 use super::bodies::Heterogeneity;
 use super::moving::{self, FIG1, FIG4, FIG5};
+use super::tensors::{homogeneous, springs};
 use super::{Findings, Study, fig2, fig3, table1, table2, table3};
 use crate::failure::Failure;
 use crate::results;
 use crate::scene::{enumeration, nearest};
 
-/// A table or figure of `he2022fast`.
+/// A table or figure of `he2022fast` or `kharevych2009numerical`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Artefact {
     /// Errors of trainings.
@@ -29,19 +30,37 @@ pub enum Artefact {
     Fig4,
     /// The plate of active material that is twisted.
     Fig5,
+    /// Springs in series replaced by one.
+    Springs,
+    /// A homogeneous body coarsened into its own material.
+    Homogeneous,
 }
 
 /// Why a name is none.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("nothing is published as {name:?}{hint}; expected table1, table2, table3 or fig1 to fig5")]
+#[error("nothing is published as {name:?}{hint}; expected {expected}")]
 pub struct UnknownArtefact {
     name: String,
     hint: String,
+    expected: String,
 }
 
 impl Artefact {
-    const ALL: [Self; 8] =
-        [Self::Table1, Self::Table2, Self::Table3, Self::Fig1, Self::Fig2, Self::Fig3, Self::Fig4, Self::Fig5];
+    const ALL: [Self; 10] = [
+        Self::Table1,
+        Self::Table2,
+        Self::Table3,
+        Self::Fig1,
+        Self::Fig2,
+        Self::Fig3,
+        Self::Fig4,
+        Self::Fig5,
+        Self::Springs,
+        Self::Homogeneous,
+    ];
+
+    /// How many at the end are of `kharevych2009numerical`.
+    const OF_TENSORS: usize = 2;
 
     fn name(self) -> &'static str {
         match self {
@@ -53,6 +72,8 @@ impl Artefact {
             Self::Fig3 => "fig3",
             Self::Fig4 => FIG4.name,
             Self::Fig5 => FIG5.name,
+            Self::Springs => springs::NAME,
+            Self::Homogeneous => homogeneous::NAME,
         }
     }
 
@@ -66,15 +87,21 @@ impl Artefact {
             Self::Fig3 => "single cells of three patterns, d = 2 to 5: three fits compared, and pictures",
             Self::Fig4 => "a trunk from a CT in motion, cut by a blade: with update, without, fine",
             Self::Fig5 => "a plate of active material, twisted and softened: with update, without, fine",
+            Self::Springs => "springs in series replaced by one, against the closed form",
+            Self::Homogeneous => "a homogeneous body coarsened into its own material, in 1, 2 and 3 dimensions",
         }
     }
 
-    /// The published degrees; `None` for what a scene describes.
+    fn has_scene(self) -> bool {
+        matches!(self, Self::Fig1 | Self::Fig4 | Self::Fig5)
+    }
+
+    /// The published degrees; `None` for what has none or is described by a scene.
     fn published_degrees(self) -> Option<RangeInclusive<usize>> {
         match self {
             Self::Table1 | Self::Table2 | Self::Fig2 => Some(2..=7),
             Self::Table3 | Self::Fig3 => Some(2..=5),
-            Self::Fig1 | Self::Fig4 | Self::Fig5 => None,
+            Self::Fig1 | Self::Fig4 | Self::Fig5 | Self::Springs | Self::Homogeneous => None,
         }
     }
 
@@ -89,6 +116,8 @@ impl Artefact {
             Self::Fig3 => fig3::run(study),
             Self::Fig4 => moving::run(study, &FIG4),
             Self::Fig5 => moving::run(study, &FIG5),
+            Self::Springs => springs::run(study),
+            Self::Homogeneous => homogeneous::run(study),
         }
     }
 
@@ -97,7 +126,7 @@ impl Artefact {
         let Some(published) = self.published_degrees() else {
             return match asked {
                 [] => Ok(Vec::new()),
-                _ => Err(self.described_by_scene("--degrees")),
+                _ => Err(self.without("--degrees")),
             };
         };
         if let Some(degree) = asked.iter().find(|d| !published.contains(d)) {
@@ -111,14 +140,15 @@ impl Artefact {
         Ok(degrees)
     }
 
-    fn described_by_scene(self, option: &str) -> Failure {
-        Failure::Unusable(format!("{} is described by its scene; leave {option} out", self.name()))
+    fn without(self, option: &str) -> Failure {
+        let why = if self.has_scene() { "is described by its scene" } else { "has nothing to choose" };
+        Failure::Unusable(format!("{} {why}; leave {option} out", self.name()))
     }
 
     /// Refuses options about scenes for what has none.
     pub fn check_scene(self, steps: bool, scenes: bool) -> Result<(), Failure> {
         let option = if steps { "--steps" } else { "--scenes" };
-        if self.published_degrees().is_some() && (steps || scenes) {
+        if !self.has_scene() && (steps || scenes) {
             let sentence =
                 format!("{} has no scene; leave {option} out, which is for fig1, fig4 and fig5", self.name());
             return Err(Failure::Unusable(sentence));
@@ -129,7 +159,7 @@ impl Artefact {
     /// The patterns asked for, each once and in the paper's order, or all of them.
     pub fn patterns(self, asked: &[Heterogeneity]) -> Result<Vec<Heterogeneity>, Failure> {
         if self.published_degrees().is_none() && !asked.is_empty() {
-            return Err(self.described_by_scene("--patterns"));
+            return Err(self.without("--patterns"));
         }
         if matches!(self, Self::Table2 | Self::Table3) && !asked.is_empty() {
             let name = self.name();
@@ -148,7 +178,8 @@ impl FromStr for Artefact {
         known.ok_or_else(|| {
             let near = nearest(name, &Self::ALL.map(Self::name));
             let hint = near.map_or_else(String::new, |near| format!(" (did you mean {near:?}?)"));
-            UnknownArtefact { name: name.into(), hint }
+            let expected = enumeration(&Self::ALL.map(|artefact| artefact.name().to_owned()));
+            UnknownArtefact { name: name.into(), hint, expected }
         })
     }
 }
@@ -156,8 +187,13 @@ impl FromStr for Artefact {
 /// What `--list` prints.
 pub fn list() -> String {
     let rows = Artefact::ALL.map(|artefact| (artefact.name().to_owned(), artefact.title().to_owned()));
+    let (fast, tensors) = rows.split_at(Artefact::ALL.len() - Artefact::OF_TENSORS);
     let patterns = enumeration(&Heterogeneity::ALL.map(|pattern| pattern.name().to_owned()));
-    format!("he2022fast (He, Pérez and Otaduy 2022), patterns {patterns}\n{}", results::table(&rows))
+    format!(
+        "he2022fast (He, Pérez and Otaduy 2022), patterns {patterns}\n{}\nkharevych2009numerical (Kharevych, Mullen, Owhadi and Desbrun 2009)\n{}",
+        results::table(fast),
+        results::table(tensors)
+    )
 }
 
 #[cfg(test)]
@@ -170,7 +206,7 @@ mod tests {
             assert_eq!(artefact.name().parse(), Ok(artefact));
         }
         let message = "tabel1".parse::<Artefact>().unwrap_err().to_string();
-        assert!(message.contains("did you mean \"table1\"?") && message.contains("fig1 to fig5"), "{message}");
+        assert!(message.contains("did you mean \"table1\"?") && message.contains("fig5"), "{message}");
         assert!(!"zzz".parse::<Artefact>().unwrap_err().to_string().contains("did you mean"));
     }
 
@@ -183,6 +219,8 @@ mod tests {
         assert_eq!(Artefact::Fig2.patterns(&[horizontal, oblique, oblique]).unwrap(), [oblique, horizontal]);
         assert!(Artefact::Table2.patterns(&[oblique]).is_err());
         assert!(Artefact::Fig1.degrees(&[4]).is_err() && Artefact::Fig5.patterns(&[oblique]).is_err());
+        assert!(Artefact::Springs.degrees(&[2]).unwrap_err().to_string().contains("nothing to choose"));
+        assert!(Artefact::Homogeneous.check_scene(true, false).is_err());
         assert!(Artefact::Fig4.check_scene(true, true).is_ok() && Artefact::Fig2.check_scene(true, false).is_err());
         assert_eq!(Artefact::Fig4.degrees(&[]).unwrap(), [0; 0]);
     }

@@ -14,6 +14,7 @@ mod table1_error;
 mod table1_text;
 mod table2;
 mod table3;
+mod tensors;
 
 use std::path::PathBuf;
 
@@ -36,7 +37,7 @@ const EXAMPLES: &str = "Examples:
 #[derive(Args, Clone, Debug)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
-    /// What is run again: table1, table2, table3, fig1 to fig5
+    /// What is run again: table1, table2, table3, fig1 to fig5, springs, homogeneous
     #[arg(value_name = "NAME", required_unless_present = "list")]
     names: Vec<Artefact>,
     /// Say what can be reproduced, and stop

@@ -1,9 +1,9 @@
 //! The rotation of a coarse element and its derivatives.
 
-use super::polar::Polar;
 use super::second_order::{combined, rotated};
 use crate::coarsening::COLUMNS;
 use crate::element::trilinear_gradients;
+use crate::linalg::Polar;
 use crate::linalg::matrix3::{IDENTITY, Matrix3, apply, apply_transposed, cross, determinant, product, skew};
 
 /// One value per unknown of an element.

@@ -13,7 +13,6 @@ mod loads;
 mod model;
 mod place;
 mod points;
-mod polar;
 mod potential;
 mod products;
 mod second_order;

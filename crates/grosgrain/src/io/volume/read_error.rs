@@ -2,6 +2,7 @@
 
 use super::VolumeFormat;
 use super::dicom::DicomError;
+pub(super) use crate::io::excerpt::excerpt;
 use std::path::{Path, PathBuf};
 
 /// Why a volume is not read: the place, the numbers and what to do.
@@ -188,12 +189,6 @@ impl ReadError {
             reason => Self::InFile { path: path.to_path_buf(), reason: Box::new(reason) },
         }
     }
-}
-
-/// The start of a text from a file, fit to be shown on a terminal: no control characters, at most 80 others.
-pub(super) fn excerpt(text: &str) -> String {
-    let shown = |c: char| if c.is_control() { char::REPLACEMENT_CHARACTER } else { c };
-    text.chars().take(80).map(shown).collect()
 }
 
 fn times(extents: &[u64; 3]) -> String {

@@ -1,6 +1,7 @@
 //! Named values at the points or cells of a grid.
 
 use super::VtkError;
+use crate::simplex::{Dimension, MandelTensor};
 
 /// A named array with one entry per point or per cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,6 +24,18 @@ pub enum Values<'a> {
     Tensor(&'a [[f64; 6]]),
     /// One integer each, Int32: labels, indices.
     Integer(&'a [i32]),
+    /// Elasticity tensors, all of one dimension, Float64: n × n components each, row by row, of the Voigt matrix in the order xx | xx, yy, xy |
+    /// xx, yy, zz, yz, xz, xy with engineering shear (γ = 2ε), for stiffnesses. Components are named `xx_yy` by row and column.
+    Stiffness(&'a [MandelTensor]),
+}
+
+/// Names of the rows of Voigt matrices in our order.
+const fn voigt_names(dimension: Dimension) -> &'static [&'static str] {
+    match dimension {
+        Dimension::One => &["xx"],
+        Dimension::Two => &["xx", "yy", "xy"],
+        Dimension::Three => &["xx", "yy", "zz", "yz", "xz", "xy"],
+    }
 }
 
 /// VTK's names and our positions of the components of a symmetric tensor, in VTK's order.
@@ -36,6 +49,7 @@ impl Values<'_> {
             Self::Vector(v) => v.len(),
             Self::Tensor(v) => v.len(),
             Self::Integer(v) => v.len(),
+            Self::Stiffness(v) => v.len(),
         }
     }
 
@@ -56,7 +70,21 @@ impl Values<'_> {
             Self::Integer(_) => "type=\"Int32\"".into(),
             Self::Vector(_) => names(&["X", "Y", "Z"]),
             Self::Tensor(_) => names(&TENSOR.map(|(name, _)| name)),
+            Self::Stiffness(v) => {
+                let rows = v.first().map_or(&[][..], |tensor| voigt_names(tensor.dimension));
+                let all: Vec<String> = rows.iter().flat_map(|r| rows.iter().map(move |c| format!("{r}_{c}"))).collect();
+                names(&all.iter().map(String::as_str).collect::<Vec<_>>())
+            }
         }
+    }
+
+    /// What a reader of the file has to know about the components beyond their names.
+    pub(super) fn component_order(&self) -> Option<String> {
+        let Self::Stiffness([first, ..]) = self else { return None };
+        let order = voigt_names(first.dimension).join(" ");
+        Some(format!(
+            "Voigt matrix in Pa, row by row, component_order {order}, engineering shear (2 * tensor component)"
+        ))
     }
 
     /// Little-endian bytes in VTK's component order.
@@ -66,29 +94,46 @@ impl Values<'_> {
             Self::Vector(v) => v.as_flattened().iter().flat_map(|x| x.to_le_bytes()).collect(),
             Self::Tensor(v) => v.iter().flat_map(|t| TENSOR.map(|(_, at)| t[at].to_le_bytes())).flatten().collect(),
             Self::Integer(v) => v.iter().flat_map(|x| x.to_le_bytes()).collect(),
+            Self::Stiffness(v) => v.iter().flat_map(voigt_entries).flat_map(f64::to_le_bytes).collect(),
         }
     }
 
-    /// The numbers and how many belong to one entry; integers are always finite and give none.
-    fn numbers(&self) -> (&[f64], usize) {
-        match self {
-            Self::Scalar(v) => (v, 1),
-            Self::Vector(v) => (v.as_flattened(), 3),
-            Self::Tensor(v) => (v.as_flattened(), 6),
-            Self::Integer(_) => (&[], 1),
-        }
+    /// Index of the first entry with a number that is not finite, and that number.
+    fn not_finite(&self) -> Option<(usize, f64)> {
+        let (at, components, value) = match self {
+            Self::Scalar(v) => first_not_finite(v.iter().copied()).map(|(at, x)| (at, 1, x)),
+            Self::Vector(v) => first_not_finite(v.as_flattened().iter().copied()).map(|(at, x)| (at, 3, x)),
+            Self::Tensor(v) => first_not_finite(v.as_flattened().iter().copied()).map(|(at, x)| (at, 6, x)),
+            Self::Stiffness(v) => {
+                first_not_finite(v.iter().flat_map(|t| t.matrix.into_iter().flatten())).map(|(at, x)| (at, 36, x))
+            }
+            Self::Integer(_) => None,
+        }?;
+        Some((at / components, value))
     }
+
+    /// Index of the first tensor that has another dimension than the first, if any has.
+    fn other_dimension(&self) -> Option<usize> {
+        let Self::Stiffness(tensors) = self else { return None };
+        tensors.iter().position(|tensor| tensor.dimension != tensors[0].dimension)
+    }
+}
+
+/// The n × n entries of the Voigt matrix, row by row.
+fn voigt_entries(tensor: &MandelTensor) -> impl Iterator<Item = f64> + use<> {
+    let rows = tensor.rows();
+    tensor.voigt().into_iter().take(rows).flat_map(move |row| row.into_iter().take(rows))
+}
+
+fn first_not_finite(numbers: impl Iterator<Item = f64>) -> Option<(usize, f64)> {
+    numbers.enumerate().find(|(_, x)| !x.is_finite())
 }
 
 impl DataArray<'_> {
     pub(super) fn check_finite(&self) -> Result<(), VtkError> {
-        let (numbers, components) = self.values.numbers();
-        match numbers.iter().position(|x| !x.is_finite()) {
+        match self.values.not_finite() {
             None => Ok(()),
-            Some(at) => {
-                let (index, value) = (at / components, numbers[at]);
-                Err(VtkError::NotFinite { name: self.name.to_owned(), index, value })
-            }
+            Some((index, value)) => Err(VtkError::NotFinite { name: self.name.to_owned(), index, value }),
         }
     }
 }
@@ -104,6 +149,9 @@ pub(super) fn check(arrays: &[DataArray], expected: usize, per: &'static str) ->
             return Err(VtkError::Duplicate { name, per });
         }
         array.check_finite()?;
+        if let Some(index) = array.values.other_dimension() {
+            return Err(VtkError::Dimensions { name, index });
+        }
     }
     Ok(())
 }

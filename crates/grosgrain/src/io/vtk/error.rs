@@ -47,6 +47,16 @@ pub enum VtkError {
         /// The offending number.
         value: f64,
     },
+    /// Tensors of several dimensions in one array.
+    #[error(
+        "entry {index} of \"{name}\" is a tensor of another dimension than entry 0; an array holds tensors of one dimension"
+    )]
+    Dimensions {
+        /// The array's name.
+        name: String,
+        /// Index of the first entry that differs.
+        index: usize,
+    },
     /// A time is NaN or infinite, or earlier than the frame before.
     #[error("frame {frame} has time {time} s after {before} s; times must be finite and must not decrease")]
     Time {

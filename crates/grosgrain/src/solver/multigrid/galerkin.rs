@@ -79,7 +79,7 @@ pub(super) fn add(sum: &mut CellMatrix, factor: f64, term: &CellMatrix) {
 }
 
 /// K with zero rows and columns where a component of a corner is no unknown.
-pub(super) fn held(matrix: &CellMatrix, free: &[u8; 8]) -> CellMatrix {
+pub(super) fn held(matrix: &[f64], free: &[u8; 8]) -> CellMatrix {
     let is_free = |i: usize| free[i / 3] >> (i % 3) & 1 == 1;
     std::array::from_fn(|e| if is_free(e / 24) && is_free(e % 24) { matrix[e] } else { 0.0 })
 }

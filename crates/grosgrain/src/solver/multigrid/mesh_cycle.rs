@@ -12,7 +12,6 @@ use super::galerkin::{CellMatrices, held};
 use super::grid::Layout;
 use super::level::{BlockJacobi, Level};
 use super::mesh_grid::{MeshCoarsening, MeshGrid};
-use crate::element::CellMatrix;
 use crate::linalg::{Cholesky, CholeskyError, LinearOperator, Preconditioner, SymbolicCholesky};
 use crate::solver::SolverError;
 use crate::solver::block_matrix::BlockMatrix;
@@ -78,7 +77,7 @@ impl MeshCycle {
     pub fn update<'k>(
         &mut self,
         free: &[u8],
-        stiffness: &(impl Fn(usize) -> (f64, &'k CellMatrix) + Sync),
+        stiffness: &(impl Fn(usize) -> (f64, &'k [f64]) + Sync),
     ) -> Result<(), SolverError> {
         let Some((first, rest)) = self.stages.split_first_mut() else { return Ok(()) };
         first.level.matrix.set_free(free);
@@ -90,11 +89,11 @@ impl MeshCycle {
         });
         first.prepare();
         for stage in rest {
-            stage.level.matrix.assemble(&|element| (1.0, &elements[element]));
+            stage.level.matrix.assemble(&|element| (1.0, elements[element].as_slice()));
             elements = stage.coarsening.galerkin(&|element| elements[element]);
             stage.prepare();
         }
-        self.coarsest.assemble(&|element| (1.0, &elements[element]));
+        self.coarsest.assemble(&|element| (1.0, elements[element].as_slice()));
         self.coarsest.lower_into(SHIFT, &mut self.values);
         self.cholesky.factor(&self.values).map_err(|error| match error {
             CholeskyError::NotPositiveDefinite { pivot, order } => SolverError::Indefinite {
@@ -174,6 +173,7 @@ impl Level for MeshLevel {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::element::CellMatrix;
     use crate::linalg::dot;
     use crate::mesh::{Cell, Lattice};
     use crate::solver::multigrid::mesh_grid::tests::{noise, slit};
@@ -198,7 +198,7 @@ mod tests {
         let mut cycle = MeshCycle::down_to(60, grid.clone(), [1.0; 3]).unwrap();
         assert!(cycle.stages.len() >= 3, "{} stages", cycle.stages.len());
         let free: Vec<u8> = (0..grid.vertices).map(|v| if v % 11 == 0 { 5 } else { 7 }).collect();
-        cycle.update(&free, &|element| (1.0, &matrices[element])).unwrap();
+        cycle.update(&free, &|element| (1.0, matrices[element].as_slice())).unwrap();
         let keep = |v: Vec<f64>| -> Vec<f64> {
             v.iter().enumerate().map(|(i, v)| if free[i / 3] >> (i % 3) & 1 == 1 { *v } else { 0.0 }).collect()
         };
@@ -221,7 +221,7 @@ mod tests {
         let mut cycle = MeshCycle::new(grid, [1.0; 3]).unwrap();
         let mut negative = matrix(1);
         (0..24).for_each(|i| negative[25 * i] -= 0.02);
-        let outcome = cycle.update(&[7; 125], &|_| (1.0, &negative));
+        let outcome = cycle.update(&[7; 125], &|_| (1.0, negative.as_slice()));
         assert!(matches!(outcome, Err(SolverError::Indefinite { .. })), "{outcome:?}");
     }
 }

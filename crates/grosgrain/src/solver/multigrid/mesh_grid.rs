@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::galerkin::{CellMatrices, add, projected};
 use super::grid::Coarsening;
 use crate::element::CellMatrix;
-use crate::linalg::nested_dissection;
+use crate::linalg::{DisjointSets, nested_dissection};
 use crate::mesh::{Cell, Lattice};
 
 /// Elements with their cells, and the vertices that they use at their corners.
@@ -127,7 +127,7 @@ fn place(step: &Coarsening, cell: u32) -> (u32, u8) {
 
 /// The coarse element of each element, and the coarse cell of each coarse element: parts of coarse cells that hang together by vertices.
 fn components(incidences: &Rows<u32>, places: &[(u32, u8)]) -> (Vec<u32>, Vec<u32>) {
-    let mut sets = Sets::new(places.len());
+    let mut sets = DisjointSets::new(places.len());
     for v in 0..incidences.len() {
         let row = incidences.row(v);
         for (n, a) in row.iter().enumerate() {
@@ -156,7 +156,7 @@ fn coarse_corners(
     (incidences, parent): (&Rows<u32>, &[u32]),
 ) -> (Vec<[u32; 8]>, usize) {
     let nodes: Vec<[usize; 8]> = cells.iter().map(|c| step.coarse.corners(Cell(*c as usize)).map(|n| n.0)).collect();
-    let mut sets = Sets::new(8 * cells.len());
+    let mut sets = DisjointSets::new(8 * cells.len());
     let mut around = Vec::new();
     for v in 0..incidences.len() {
         around.clear();
@@ -183,28 +183,6 @@ fn coarse_corners(
     let mut vertex = |n: u32| number[sets.root(n) as usize];
     let corners = (0..cells.len() as u32).map(|e| std::array::from_fn(|c| vertex(8 * e + c as u32))).collect();
     (corners, roots.len())
-}
-
-/// Disjoint sets of numbers; the root of each is its smallest.
-struct Sets(Vec<u32>);
-
-impl Sets {
-    fn new(count: usize) -> Self {
-        Self((0..count as u32).collect())
-    }
-
-    fn root(&mut self, mut n: u32) -> u32 {
-        while self.0[n as usize] != n {
-            self.0[n as usize] = self.0[self.0[n as usize] as usize];
-            n = self.0[n as usize];
-        }
-        n
-    }
-
-    fn unite(&mut self, a: u32, b: u32) {
-        let (a, b) = (self.root(a), self.root(b));
-        self.0[a.max(b) as usize] = a.min(b);
-    }
 }
 
 /// Lists of different lengths, one after the other.

@@ -77,7 +77,7 @@ fn largest(values: &[f64]) -> f64 {
 }
 
 impl LaggedFactor {
-    pub fn new(matrix: &BlockMatrix) -> Result<Self, SolverError> {
+    pub fn new<const N: usize>(matrix: &BlockMatrix<f64, N>) -> Result<Self, SolverError> {
         let symbolic = Arc::new(SymbolicCholesky::analyse(Arc::new(matrix.lower_pattern()))?);
         let iteration = 2.0 * symbolic.factor_entries() as f64 + matrix.operations();
         let price = symbolic.factor_flops() / (MEMORY_BOUND * iteration);
@@ -91,7 +91,7 @@ impl LaggedFactor {
 
     /// Factors `matrix`: in single precision, where that meets a pivot that is not positive in double precision from now on, and with a diagonal shift if only
     /// rounding makes it indefinite.
-    pub fn factor(&mut self, matrix: &BlockMatrix) -> Result<(), SolverError> {
+    pub fn factor<const N: usize>(&mut self, matrix: &BlockMatrix<f64, N>) -> Result<(), SolverError> {
         self.spent = 0.0;
         self.values.resize(self.symbolic.pattern().entry_count(), 0.0);
         let mut outcome = Ok(());

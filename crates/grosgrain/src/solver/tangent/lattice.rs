@@ -148,7 +148,10 @@ impl Factored {
             (0..3).filter(|r| constraints.is_fixed(*node as usize, *r)).for_each(|r| of_vertices.fix(vertex, r));
         }
         let solid = &self.cells;
-        let stiffness = |element: usize| cells.stiffness(solid[element] as usize).unwrap_or((0.0, &[0.0; 576]));
+        let stiffness = |element: usize| {
+            let (factor, matrix) = cells.stiffness(solid[element] as usize).unwrap_or((0.0, &[0.0; 576]));
+            (factor, matrix.as_slice())
+        };
         self.tangent.update_scaled(stiffness, &of_vertices, lagged)
     }
 

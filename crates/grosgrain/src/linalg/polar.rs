@@ -1,6 +1,6 @@
 //! The rotation of a deformation gradient.
 
-use crate::linalg::matrix3::{Matrix3, Svd3, cofactors, determinant, product, svd, transposed};
+use super::matrix3::{Matrix3, Svd3, cofactors, determinant, product, svd, transposed};
 
 /// Below this share of the largest singular value, the sum of the other two leaves the rotation undefined.
 const COLLAPSED: f64 = 1e-9;
@@ -13,7 +13,7 @@ const SETTLED: f64 = 1e-8;
 
 /// A = R S, and G⁻¹ for G = tr(S) I − S.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Polar {
+pub(crate) struct Polar {
     /// R.
     pub rotation: Matrix3,
     /// S.
@@ -65,20 +65,36 @@ impl Polar {
 
     /// By singular values; `None` where det A is not positive, or so small that there is no rotation to tell.
     pub fn by_svd(gradient: &Matrix3) -> Option<Self> {
-        let Svd3 { left, values: [a, b, c], right } = svd(gradient);
+        let decomposition = svd(gradient);
+        let [a, b, c] = decomposition.values;
         // Written so that not-a-number is refused too.
         if !(c > 0.0 && b + c > COLLAPSED * a && a.is_finite()) {
             return None;
         }
-        let with = |values: [f64; 3]| -> Matrix3 {
+        Some(Self::of_values(&decomposition, [1.0 / (b + c), 1.0 / (a + c), 1.0 / (a + b)]))
+    }
+
+    /// The rotation, det R = 1, that is nearest to any A, flat and inverted ones included: S is indefinite where det A is negative. A turn about an axis that A does
+    /// not determine has no part in G⁻¹, as if the axis were held. `None` where A is not finite.
+    pub fn nearest(gradient: &Matrix3) -> Option<Self> {
+        if let Some(regular) = Self::by_iteration(gradient) {
+            return Some(regular);
+        }
+        if !gradient.iter().flatten().all(|a| a.is_finite()) {
+            return None;
+        }
+        let decomposition = svd(gradient);
+        let [a, b, c] = decomposition.values;
+        let inverse = |sum: f64| if sum > COLLAPSED * a { 1.0 / sum } else { 0.0 };
+        Some(Self::of_values(&decomposition, [inverse(b + c), inverse(a + c), inverse(a + b)]))
+    }
+
+    fn of_values(Svd3 { left, values, right }: &Svd3, compliances: [f64; 3]) -> Self {
+        let with = |values: &[f64; 3]| -> Matrix3 {
             let entry = |i: usize, j: usize| (0..3).map(|k| values[k] * (right[i][k] * right[j][k])).sum();
             std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j)))
         };
-        Some(Self {
-            rotation: product(&left, &transposed(&right)),
-            stretch: with([a, b, c]),
-            compliance: with([1.0 / (b + c), 1.0 / (a + c), 1.0 / (a + b)]),
-        })
+        Self { rotation: product(left, &transposed(right)), stretch: with(values), compliance: with(&compliances) }
     }
 }
 
@@ -118,5 +134,40 @@ mod tests {
         }
         assert_eq!(Polar::by_svd(&diagonal([1.0, 1.0, -1.0])), None);
         assert!(Polar::by_svd(&diagonal([1.0, 1.0, 1e-3])).is_some());
+    }
+
+    #[test]
+    fn no_rotation_is_nearer_than_the_nearest_one_also_where_the_gradient_is_inverted() {
+        let mut source = ChaCha8Rng::seed_from_u64(5);
+        let mut signed = || source.next_u64() as f64 / u64::MAX as f64 * 2.0 - 1.0;
+        let inner =
+            |a: &Matrix3, b: &Matrix3| -> f64 { a.iter().flatten().zip(b.iter().flatten()).map(|(x, y)| x * y).sum() };
+        let mut inverted = 0;
+        for _ in 0..200 {
+            let gradient: Matrix3 = std::array::from_fn(|_| std::array::from_fn(|_| signed()));
+            inverted += usize::from(determinant(&gradient) < 0.0);
+            let nearest = Polar::nearest(&gradient).unwrap();
+            assert!((determinant(&nearest.rotation) - 1.0).abs() < 1e-14);
+            assert!(distance(&product(&nearest.rotation, &nearest.stretch), &gradient) < 1e-14);
+            for _ in 0..50 {
+                // Any other rotation: that of a random matrix of positive determinant.
+                let other: Matrix3 = std::array::from_fn(|_| std::array::from_fn(|_| signed()));
+                let Some(other) = Polar::by_svd(&other) else { continue };
+                assert!(inner(&other.rotation, &gradient) <= inner(&nearest.rotation, &gradient) + 1e-14);
+            }
+        }
+        assert!(inverted > 50, "{inverted}");
+    }
+
+    #[test]
+    fn flat_and_mirrored_gradients_have_a_rotation_and_broken_ones_have_none() {
+        let diagonal = |d: [f64; 3]| -> Matrix3 { [[d[0], 0.0, 0.0], [0.0, d[1], 0.0], [0.0, 0.0, d[2]]] };
+        for d in [[1.0, 1.0, -1.0], [1.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0; 3]] {
+            let nearest = Polar::nearest(&diagonal(d)).unwrap();
+            assert!((determinant(&nearest.rotation) - 1.0).abs() < 1e-14, "{d:?}");
+            assert!(nearest.compliance.iter().flatten().all(|entry| entry.is_finite()), "{d:?}");
+        }
+        assert_eq!(Polar::nearest(&diagonal([f64::NAN, 1.0, 1.0])), None);
+        assert_eq!(Polar::nearest(&diagonal([f64::INFINITY, 1.0, 1.0])), None);
     }
 }

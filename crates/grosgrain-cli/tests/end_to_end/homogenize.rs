@@ -1,0 +1,51 @@
+//! `homogenize` from files to files.
+
+use super::program::{Run, grosgrain, names, root};
+
+/// Homogenizes the bimetal bar of `data/meshes` with these materials and further arguments.
+fn homogenize(folder: &std::path::Path, materials: &str, more: &[&str]) -> Run {
+    let mesh = |name: &str| root().join("data/meshes").join(name).display().to_string();
+    std::fs::write(folder.join("materials.toml"), materials).unwrap();
+    let (fine, coarse) = (mesh("bimetal.msh"), mesh("bar.msh"));
+    let arguments = ["homogenize", &fine, "--onto", &coarse, "--materials", "materials.toml"];
+    grosgrain(folder, &[&arguments[..], more].concat())
+}
+
+const BOTH: &str = "[materials.a]\nlabel = 1\nyoung = 2e11\npoisson = 0.3\ndensity = 7850.0\n\
+                    [materials.b]\nlabel = 2\nyoung = 2e9\npoisson = 0.3\ndensity = 1100.0\n";
+
+#[test]
+fn a_bar_of_two_metals_becomes_files_for_three_programs() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = homogenize(folder.path(), BOTH, &["-o", "bar.vtu", "--npz", "bar.npz", "--json", "bar.json"]).done();
+    assert!(run.stdout.contains("16,275 cells") && run.stdout.contains("3,646 cells"), "{}", run.stdout);
+    let json = std::fs::read_to_string(folder.path().join("bar.json")).unwrap();
+    let figures: serde_json::Value = serde_json::from_str(&json).unwrap();
+    // Half of a bar of 10 m³ each.
+    let mass = figures["mass"].as_f64().unwrap();
+    assert!((mass / (5.0 * (7850.0 + 1100.0)) - 1.0).abs() < 1e-6, "{mass}");
+    assert!(figures["mass_difference"].as_f64().unwrap().abs() < 1e-12, "{json}");
+    assert_eq!(figures["averaged_cells"].as_array().unwrap().len(), 0);
+    homogenize(folder.path(), BOTH, &["-o", "bar.inp", "--coarse-normals"]).done();
+    let deck = std::fs::read_to_string(folder.path().join("bar.inp")).unwrap();
+    assert_eq!(deck.matches("TYPE=ANISOTROPIC").count(), 3646, "no two cells have the same tensor");
+    assert!(!deck.contains("NaN") && !deck.contains("inf"));
+    assert_eq!(names(folder.path()), ["bar.inp", "bar.json", "bar.npz", "bar.vtu", "materials.toml"]);
+}
+
+#[test]
+fn what_cannot_be_homogenized_is_refused_and_leaves_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let refused = |materials: &str, more: &[&str], code: i32, parts: &[&str]| {
+        let run = homogenize(folder.path(), materials, more);
+        assert_eq!(run.code, Some(code), "{}", run.stderr);
+        assert!(parts.iter().all(|part| run.stderr.contains(part)), "{}", run.stderr);
+        assert_eq!(names(folder.path()), ["materials.toml"]);
+    };
+    let one = BOTH.split("[materials.b]").next().unwrap();
+    refused(one, &["-o", "bar.vtu"], 2, &["materials.toml", "2"]);
+    refused("[materials.a]\nlabel = 1\nyoung = -1.0\npoisson = 0.3\n", &[], 2, &["materials.a.young"]);
+    refused("title = \"no materials\"\n", &[], 2, &["materials"]);
+    refused(BOTH, &["-o", "bar.stl"], 2, &["bar.stl", ".vtu or .inp"]);
+    refused(BOTH, &["--scale=-1"], 2, &["positive number"]);
+}
