@@ -4,11 +4,11 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use grosgrain::homogenization::{BoundaryNormals, HomogenizeOptions, Homogenized, SimplexModel, homogenize};
-use grosgrain::io::mesh::{AbaqusDeck, AbaqusMaterials, MeshReadError, read_mesh, write_abaqus};
+use grosgrain::io::mesh::{AbaqusDeck, AbaqusMaterials, read_mesh, write_abaqus};
 use grosgrain::io::vtk::{DataArray, SimplexGrid, Values, write_simplex_vtu};
 use grosgrain::io::{write_atomically, write_tensors};
 use grosgrain::material::{Material, MaterialTable};
-use grosgrain::simplex::SimplexMesh;
+use grosgrain::simplex::{Severity, SimplexMesh, check_mesh};
 use serde::Serialize;
 
 use crate::failure::Failure;
@@ -196,14 +196,22 @@ fn material_table(file: &Path) -> Result<MaterialTable, Failure> {
     Ok(table)
 }
 
+/// Reads a mesh and tells what is odd about it; what cannot be computed with is refused.
 fn read(file: &Path, scale: f64, progress: &Progress) -> Result<(SimplexMesh, Vec<(i32, String)>), Failure> {
-    let failed = |error: MeshReadError| Failure::Failed(format!("{}: {error}", file.display()));
-    let contents = read_mesh(file).map_err(failed)?;
+    let failed = |error: &dyn std::fmt::Display| Failure::Failed(format!("{}: {error}", file.display()));
+    let contents = read_mesh(file).map_err(|error| failed(&error))?;
     for sentence in &contents.skipped {
         progress.say(&format!("{}: {sentence}", file.display()));
     }
     let names = contents.names.clone();
-    Ok((contents.scaled(scale).into_mesh().map_err(failed)?, names))
+    let mesh = contents.scaled(scale).into_mesh().map_err(|error| failed(&error))?;
+    for finding in check_mesh(&mesh) {
+        match finding.severity() {
+            Severity::Warning => progress.warn(&format!("{}: {finding}", file.display())),
+            Severity::Error => return Err(failed(&finding)),
+        }
+    }
+    Ok((mesh, names))
 }
 
 /// Materials that no cell has: often a slip in a label.

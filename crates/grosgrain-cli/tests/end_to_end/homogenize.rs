@@ -49,3 +49,36 @@ fn what_cannot_be_homogenized_is_refused_and_leaves_nothing() {
     refused(BOTH, &["-o", "bar.stl"], 2, &["bar.stl", ".vtu or .inp"]);
     refused(BOTH, &["--scale=-1"], 2, &["positive number"]);
 }
+
+#[test]
+fn what_is_odd_about_a_mesh_is_told_and_what_is_impossible_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let mesh = |name: &str, cells: &[[usize; 4]]| {
+        // Two unit tetrahedra whose nodes lie at the same places, and one more apex.
+        let corners = ["0 0 0", "1 0 0", "0 1 0", "0 0 1"];
+        let places = corners.iter().chain(&corners).chain(&["1 1 1"]);
+        let nodes: String = places.map(|at| format!("{at} 0\n")).collect();
+        let cells: Vec<String> = cells.iter().map(|c| format!("{} {} {} {} 1\n", c[0], c[1], c[2], c[3])).collect();
+        let text = format!(
+            "MeshVersionFormatted 2\nDimension 3\nVertices 9\n{nodes}Tetrahedra {}\n{}End\n",
+            cells.len(),
+            cells.concat()
+        );
+        std::fs::write(folder.path().join(name), text).unwrap();
+    };
+    std::fs::write(folder.path().join("m.toml"), "[materials.a]\nlabel = 1\nyoung = 1e6\npoisson = 0.3\n").unwrap();
+    mesh("twins.mesh", &[[1, 2, 3, 4], [5, 6, 7, 8]]);
+    mesh("one.mesh", &[[1, 2, 3, 4]]);
+    let run = |fine: &str| {
+        grosgrain(folder.path(), &["homogenize", fine, "--onto", "one.mesh", "--materials", "m.toml", "-o", "out.vtu"])
+    };
+    let told = run("twins.mesh").done().stderr;
+    assert!(told.contains("2 parts that are not connected") && told.contains("both lie at"), "{told}");
+    std::fs::remove_file(folder.path().join("out.vtu")).unwrap();
+    // Three cells at one face.
+    mesh("crowded.mesh", &[[1, 2, 3, 4], [2, 3, 4, 9], [2, 3, 4, 5]]);
+    let refused = run("crowded.mesh");
+    assert_eq!(refused.code, Some(1), "{}", refused.stderr);
+    assert!(refused.stderr.contains("crowded.mesh"), "{}", refused.stderr);
+    assert_eq!(names(folder.path()), ["crowded.mesh", "m.toml", "one.mesh", "twins.mesh"]);
+}

@@ -25,7 +25,7 @@ pub const TENSORS_VERSION: u32 = 1;
 /// | `mass` | (m,) | \[kg\] |
 /// | `condition` | (n,) | of the coarse mollifier |
 /// | `filled` | (n,) | share of the cell that the fine mesh fills |
-/// | `harmonic` | (M, 3, s) | harmonic displacements on the fine nodes, columns in the order of the strains; stress 1 Pa in Mandel's basis \[m\] |
+/// | `harmonic` | (M, 3, s) | harmonic displacements of the fine nodes under unit stresses ½ (e_α ⊗ e_β + e_β ⊗ e_α), columns in the order of the strains \[m/Pa\] |
 /// | `version` | () | [`TENSORS_VERSION`] |
 ///
 /// # Errors
