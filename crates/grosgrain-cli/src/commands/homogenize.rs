@@ -144,7 +144,7 @@ pub fn run(arguments: &Arguments, progress: &Progress) -> Result<(), Failure> {
     let output = arguments.output.clone().unwrap_or_else(|| default_output(&arguments.onto));
     let format = TensorFormat::of(&output)?;
     let start = std::time::Instant::now();
-    let table = material_table(&arguments.materials)?;
+    let table = material_table(&arguments.materials, progress)?;
     let (fine, names) = read(&arguments.fine, arguments.scale, progress)?;
     let (coarse, coarse_names) = read(&arguments.onto, arguments.scale, progress)?;
     let model = SimplexModel::new(fine, &table)
@@ -185,11 +185,14 @@ fn default_output(coarse: &Path) -> PathBuf {
 }
 
 /// The materials by tag. Coarse tensors are those of linear elasticity, whatever law the material has beyond.
-fn material_table(file: &Path) -> Result<MaterialTable, Failure> {
+fn material_table(file: &Path, progress: &Progress) -> Result<MaterialTable, Failure> {
     let materials = read_material_file(file)?;
     let mut table = MaterialTable::new();
     for material in &materials {
         let Some(elasticity) = material.own_elasticity() else { continue };
+        if material.density.is_none() {
+            progress.warn(&format!("materials.{} has no density; its cells count as without mass", material.name));
+        }
         let density = material.density.unwrap_or(0.0);
         table.insert(material.label, Material::linear(material.name.clone(), *elasticity, density));
     }

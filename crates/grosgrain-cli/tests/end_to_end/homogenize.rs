@@ -74,6 +74,7 @@ fn what_is_odd_about_a_mesh_is_told_and_what_is_impossible_is_refused() {
     };
     let told = run("twins.mesh").done().stderr;
     assert!(told.contains("2 parts that are not connected") && told.contains("both lie at"), "{told}");
+    assert!(told.contains("materials.a has no density"), "{told}");
     std::fs::remove_file(folder.path().join("out.vtu")).unwrap();
     // Three cells at one face.
     mesh("crowded.mesh", &[[1, 2, 3, 4], [2, 3, 4, 9], [2, 3, 4, 5]]);

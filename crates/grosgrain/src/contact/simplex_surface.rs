@@ -2,8 +2,8 @@
 
 use crate::simplex::{Boundary, BoundaryError, SimplexMesh};
 
-/// Size of the body's surface at every node: a d-th of every boundary face at each of its nodes, walls of cavities included; area \[m²\] in three dimensions, length \[m\] in two,
-/// number of ends in one. Zero inside.
+/// Size of the body's surface at every node: a d-th of every boundary face at each of its nodes, walls of cavities included; area \[m²\] in three dimensions, length \[m\] in
+/// two, number of ends in one. Zero inside.
 ///
 /// # Errors
 /// A mesh with faces that do not divide inside from outside.

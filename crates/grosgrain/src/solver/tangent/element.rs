@@ -27,7 +27,7 @@ const MAX_ITERATIONS: usize = 1000;
 /// solve that needs more than 1.5 n + 5 iterations, n being those of the first solve with it, per decimal digit.
 ///
 /// Memory per vertex of hexahedra: about 2.1 kB for the matrix, 0.3 kB per element for its places, 0.2 kB for vectors; with a cycle 1.8 kB more;
-/// with a factor the pattern and a copy of the matrix, 1.5 kB, and the factor itself, about 180 B × (3 n)^{4/3} for n vertices, from the first factorisation on.
+/// with a factor the pattern and a copy of the matrix, 1.5 kB, and the factor itself, about 90 B × (3 n)^{4/3} for n vertices, twice that in double precision, from the first factorisation on.
 /// Nothing is allocated by [`Self::solve`] but a factor and the vectors of the first call.
 #[derive(Debug)]
 pub struct ElementTangent<const N: usize = 8> {
