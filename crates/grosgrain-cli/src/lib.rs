@@ -13,6 +13,7 @@ pub mod held_parts;
 pub mod interruption;
 pub mod machine;
 pub mod memory;
+pub mod meshes;
 pub mod method;
 pub mod models;
 pub mod outcome;

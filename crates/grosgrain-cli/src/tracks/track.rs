@@ -109,8 +109,25 @@ impl Books {
         if fine.most_elastic > 0.0 { self.most_elastic / fine.most_elastic } else { 1.0 }
     }
 
-    /// Adds a step or an equilibrium with its potential energies at the end.
-    fn add_step(&mut self, seconds: f64, divided: bool, energies: &Energies) {
+    /// Adds a step that took so many seconds.
+    pub fn add_step(&mut self, seconds: f64, report: &StepReport) {
+        self.add(seconds, report.substeps > 1, &report.energies);
+        self.newton += report.newton_iterations;
+        self.linear += report.linear_iterations;
+        self.residual = self.residual.max(report.relative_residual);
+        self.work += report.work_of_loads + report.work_of_holds;
+        self.kinetic = report.kinetic;
+    }
+
+    /// Adds an equilibrium that took so many seconds.
+    pub fn add_equilibrium(&mut self, seconds: f64, report: &EquilibriumReport) {
+        self.add(seconds, report.failures > 0, &report.energies);
+        self.newton += report.newton_iterations;
+        self.linear += report.linear_iterations;
+        self.residual = self.residual.max(report.relative_residual);
+    }
+
+    fn add(&mut self, seconds: f64, divided: bool, energies: &Energies) {
         self.solving += seconds;
         self.steps += 1;
         self.divided += usize::from(divided);
@@ -119,7 +136,7 @@ impl Books {
     }
 
     /// What is there: kinetic, elastic, in springs and in the ground \[J\].
-    fn stored(&self) -> f64 {
+    pub fn stored(&self) -> f64 {
         self.kinetic + self.elastic + self.points
     }
 }
@@ -338,13 +355,7 @@ impl Track {
         let Self { model, state, stepper, .. } = self;
         let report = with_body(model, problem, |body| stepper.advance(body, state, time, length));
         let report = report.map_err(|error| failed(&error))?;
-        let books = &mut self.books;
-        books.add_step(start.elapsed().as_secs_f64(), report.substeps > 1, &report.energies);
-        books.newton += report.newton_iterations;
-        books.linear += report.linear_iterations;
-        books.residual = books.residual.max(report.relative_residual);
-        books.work += report.work_of_loads + report.work_of_holds;
-        books.kinetic = report.kinetic;
+        self.books.add_step(start.elapsed().as_secs_f64(), &report);
         Ok(report)
     }
 
@@ -366,11 +377,7 @@ impl Track {
             with_body(model, problem, |body| find_equilibrium(body, &mut state.displacement, path, balance, &told));
         progress.close();
         let report = found.map_err(|error| failed(&error))?;
-        let books = &mut self.books;
-        books.add_step(start.elapsed().as_secs_f64(), report.failures > 0, &report.energies);
-        books.newton += report.newton_iterations;
-        books.linear += report.linear_iterations;
-        books.residual = books.residual.max(report.relative_residual);
+        self.books.add_equilibrium(start.elapsed().as_secs_f64(), &report);
         Ok(report)
     }
 
