@@ -68,10 +68,11 @@ impl Frames {
         let inverted = mises.iter().filter(|mises| mises.is_nan()).count();
         let mises: Vec<f64> = mises.into_iter().map(|mises| if mises.is_nan() { 0.0 } else { mises }).collect();
         let write = |path: &Path| body.write(path, &problem.model, shown, &mises);
-        series(&self.folder, "body", shown, &mut self.body, write)?;
+        let at = (shown.number, shown.time);
+        series(&self.folder, "body", at, &mut self.body, write)?;
         if let Some(coarse) = coarse {
             let write = |path: &Path| write_coarse(path, problem, coarse, shown.time);
-            series(&self.folder, "coarse", shown, &mut self.coarse, write)?;
+            series(&self.folder, "coarse", at, &mut self.coarse, write)?;
         }
         Ok(inverted)
     }
@@ -83,19 +84,19 @@ impl Frames {
     }
 }
 
-/// Writes the frame `name_NNNN.vtu` and the series `name.pvd` that lists it after those before it.
-fn series(
+/// Writes the frame `name_NNNN.vtu` of a step and its time \[s\], and the series `name.pvd` that lists it after those before it.
+pub(crate) fn series(
     folder: &Path,
     name: &str,
-    shown: &Shown<'_>,
+    (number, time): (usize, f64),
     before: &mut Vec<(f64, String)>,
     write_frame: impl FnOnce(&Path) -> Result<(), VtkError>,
 ) -> Result<(), Failure> {
     let failed = |path: &Path, error: VtkError| Failure::Failed(format!("{}: {error}", path.display()));
-    let file = format!("{name}_{:04}.vtu", shown.number);
+    let file = format!("{name}_{number:04}.vtu");
     let path = folder.join(&file);
     write_frame(&path).map_err(|error| failed(&path, error))?;
-    before.push((shown.time, file));
+    before.push((time, file));
     let list = folder.join(format!("{name}.pvd"));
     let frames: Vec<Frame> = before.iter().map(|(time, file)| Frame { time: *time, file }).collect();
     write_atomically(&list, |writer| write_pvd(writer, &frames)).map_err(|error| failed(&list, error))

@@ -18,27 +18,32 @@ pub fn held_parts(scene: &Scene, grid: &VoxelGrid) -> Result<Holds, Failure> {
         let refuse =
             |error: &dyn std::fmt::Display| Failure::from(scene.unusable(&format!("{}.where", fix.key), error));
         let nodes = fix.selection.nodes(grid).map_err(|error| refuse(&error))?.mask;
-        let motion = fix.motion.map_or(Motion::default(), |motion| motion_of(&motion, &nodes, grid));
-        Ok(Hold { name: fix.key.clone(), nodes, motion, ramp: fix.span.ramp(), until: fix.span.until })
+        let positions: Vec<[f64; 3]> =
+            body_nodes(grid).into_iter().filter(|node| nodes[node.0]).map(|node| position_of(grid, node)).collect();
+        Ok(hold_of(fix, nodes, &positions))
     };
     scene.fixes.iter().map(held).collect::<Result<_, _>>().map(Holds)
 }
 
-fn motion_of(motion: &SceneMotion, nodes: &[bool], grid: &VoxelGrid) -> Motion {
+/// The hold of a `[[fix]]` table on the marked nodes, which lie at `positions` \[m\] in the undeformed body.
+pub fn hold_of(fix: &Fix, nodes: Vec<bool>, positions: &[[f64; 3]]) -> Hold {
+    let motion = fix.motion.map_or(Motion::default(), |motion| motion_of(&motion, positions));
+    Hold { name: fix.key.clone(), nodes, motion, ramp: fix.span.ramp(), until: fix.span.until }
+}
+
+fn motion_of(motion: &SceneMotion, positions: &[[f64; 3]]) -> Motion {
     let twist = motion.twist.and_then(|twist| {
-        let centre = twist.centre.unwrap_or_else(|| centre_of_box(nodes, grid));
+        let centre = twist.centre.unwrap_or_else(|| centre_of_box(positions));
         Twist::about(twist.axis, centre, twist.angle.to_radians())
     });
     Motion { twist, translation: motion.translate }
 }
 
-/// The centre of the box around the marked nodes of the body.
-fn centre_of_box(nodes: &[bool], grid: &VoxelGrid) -> [f64; 3] {
+/// The centre of the box around points.
+fn centre_of_box(positions: &[[f64; 3]]) -> [f64; 3] {
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-    for position in body_nodes(grid).into_iter().filter(|node| nodes[node.0]).map(|node| position_of(grid, node)) {
-        for a in 0..3 {
-            (low[a], high[a]) = (low[a].min(position[a]), high[a].max(position[a]));
-        }
+    for (position, a) in positions.iter().flat_map(|position| [0, 1, 2].map(|a| (position, a))) {
+        (low[a], high[a]) = (low[a].min(position[a]), high[a].max(position[a]));
     }
     [0, 1, 2].map(|a| 0.5 * (low[a] + high[a]))
 }
@@ -60,17 +65,30 @@ pub fn check_held_parts(scene: &Scene, grid: &VoxelGrid, holds: &Holds) -> Resul
     // Where cells are added later, void nodes count as well.
     let adds = scene.edits.iter().any(|edit| matches!(edit.change, SceneChange::Add(_)));
     let relevant: Vec<bool> = grid.active_nodes().into_iter().map(|active| active || adds).collect();
-    if let Err(conflict) = holds.check_agreement(&relevant, position) {
+    let body: Vec<[f64; 3]> = body_nodes(grid).into_iter().map(|node| position_of(grid, node)).collect();
+    check_holds(scene, holds, (&relevant, &position), &body)
+}
+
+/// The same for any body: marks of the nodes that count, the places \[m\] of all nodes by their number, and those of the body's nodes.
+///
+/// # Errors
+/// As [`check_held_parts`].
+pub fn check_holds(
+    scene: &Scene,
+    holds: &Holds,
+    (relevant, position): (&[bool], &dyn Fn(usize) -> [f64; 3]),
+    body: &[[f64; 3]],
+) -> Result<(), Failure> {
+    if let Err(conflict) = holds.check_agreement(relevant, position) {
         return Err(scene.unusable(&conflict.names[1], &conflict).into());
     }
     let Some(ground) = scene.contact else { return Ok(()) };
-    require_body_above(scene, grid, ground)?;
-    let passage = holds.check_ground(ground.z, &relevant, position);
+    require_body_above(scene, body, ground)?;
+    let passage = holds.check_ground(ground.z, relevant, position);
     passage.map_err(|passage| scene.unusable(&format!("{}.move", passage.name), &passage).into())
 }
 
-fn require_body_above(scene: &Scene, grid: &VoxelGrid, ground: Ground) -> Result<(), Failure> {
-    let positions: Vec<[f64; 3]> = body_nodes(grid).into_iter().map(|node| position_of(grid, node)).collect();
+fn require_body_above(scene: &Scene, positions: &[[f64; 3]], ground: Ground) -> Result<(), Failure> {
     let size = positions.iter().flatten().fold(ground.z.abs(), |size: f64, x| size.max(x.abs()));
     let lowest = positions.iter().min_by(|a, b| a[2].total_cmp(&b[2]));
     let Some(lowest) = lowest.filter(|lowest| lowest[2] < ground.z - SAME_HEIGHT * size) else { return Ok(()) };

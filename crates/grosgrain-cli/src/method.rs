@@ -1,13 +1,15 @@
-//! The ways to model a body, by name.
+//! The ways to model a body of voxels, by name, and names as they come from the command line.
 
 use std::fmt;
 use std::str::FromStr;
 
 use grosgrain::training::TrainingKind;
 
+use crate::failure::Failure;
+use crate::meshes::MeshMethod;
 use crate::scene::{Training, nearest};
 
-/// A way to model the body of a scene.
+/// A way to model a body of voxels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
     /// The fine model.
@@ -28,7 +30,8 @@ pub enum Method {
 pub enum MethodError {
     /// No method has the name.
     #[error(
-        "{name:?} is no method{hint}; expected fine, trilinear, average, global, one-ring, single-cell, substructured or auto"
+        "{name:?} is no method{hint}; expected fine, trilinear, average, global, one-ring, single-cell, substructured or auto, \
+         or for meshes fine, tensor, average, trilinear or sampled"
     )]
     Unknown {
         /// What was given.
@@ -42,6 +45,59 @@ pub enum MethodError {
          with 6 training fields"
     )]
     NotYet(String),
+    /// A method of meshes, asked for a body of voxels.
+    #[error(
+        "{0} is a method for meshes, but the body consists of voxels; expected fine, trilinear, average, global, one-ring, \
+         single-cell, substructured or auto"
+    )]
+    NotForVoxels(String),
+    /// A method of voxels, asked for a mesh.
+    #[error("{0} is a method for voxels, but the body is a mesh; expected fine, tensor, average, trilinear or sampled")]
+    NotForMeshes(String),
+}
+
+impl From<MethodError> for Failure {
+    fn from(error: MethodError) -> Self {
+        Self::Unusable(error.to_string())
+    }
+}
+
+/// A method as it is asked for before it is known what the body is made of.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct AskedMethod {
+    name: String,
+    voxels: Option<Method>,
+    mesh: Option<MeshMethod>,
+}
+
+impl AskedMethod {
+    /// The method for a body of voxels.
+    ///
+    /// # Errors
+    /// A method for meshes.
+    pub fn for_voxels(&self) -> Result<Method, MethodError> {
+        self.voxels.ok_or_else(|| MethodError::NotForVoxels(self.name.clone()))
+    }
+
+    /// The method for a mesh.
+    ///
+    /// # Errors
+    /// A method for voxels.
+    pub fn for_mesh(&self) -> Result<MeshMethod, MethodError> {
+        self.mesh.ok_or_else(|| MethodError::NotForMeshes(self.name.clone()))
+    }
+}
+
+impl FromStr for AskedMethod {
+    type Err = MethodError;
+
+    fn from_str(name: &str) -> Result<Self, MethodError> {
+        let (voxels, mesh) = (name.parse::<Method>(), MeshMethod::named(name));
+        match voxels {
+            Err(error) if mesh.is_none() => Err(error),
+            voxels => Ok(Self { name: name.into(), voxels: voxels.ok(), mesh }),
+        }
+    }
 }
 
 impl Method {
@@ -91,9 +147,10 @@ impl FromStr for Method {
             (Some(method), None) => Ok(method),
             (Some(method), Some("6")) if trained => Ok(method),
             (_, Some(n)) if trained && n.parse::<usize>().is_ok() => Err(MethodError::NotYet(name.into())),
-            (None, None) if stem == "tensor" => Err(MethodError::NotYet(name.into())),
+            (None, None) if MeshMethod::named(stem).is_some() => Err(MethodError::NotForVoxels(name.into())),
             _ => {
-                let near = nearest(stem, &Self::ALL.map(|(known, _)| known));
+                let names = Self::ALL.map(|(known, _)| known).into_iter().chain(MeshMethod::ALL.map(MeshMethod::name));
+                let near = nearest(stem, &names.collect::<Vec<_>>());
                 let hint = near.map_or_else(String::new, |near| format!(" (did you mean {near:?}?)"));
                 Err(MethodError::Unknown { name: name.into(), hint })
             }
@@ -121,9 +178,25 @@ mod tests {
 
     #[test]
     fn methods_beyond_this_version_are_recognised_and_refused() {
-        for name in ["one-ring+18", "substructured+18", "tensor"] {
+        for name in ["one-ring+18", "substructured+18"] {
             assert_eq!(name.parse::<Method>(), Err(MethodError::NotYet(name.into())));
         }
+    }
+
+    #[test]
+    fn a_method_is_for_voxels_or_for_meshes_or_for_both() {
+        let asked = |name: &str| name.parse::<AskedMethod>().unwrap();
+        assert_eq!((asked("fine").for_voxels(), asked("fine").for_mesh()), (Ok(Method::Fine), Ok(MeshMethod::Fine)));
+        assert_eq!(asked("trilinear").for_mesh(), Ok(MeshMethod::Stiffness));
+        for name in ["tensor", "sampled"] {
+            assert_eq!(asked(name).for_voxels(), Err(MethodError::NotForVoxels(name.into())));
+            assert_eq!(asked(name).for_mesh().map(MeshMethod::name), Ok(name));
+        }
+        for name in ["global", "one-ring+6", "auto"] {
+            assert_eq!(asked(name).for_mesh(), Err(MethodError::NotForMeshes(name.into())));
+        }
+        let message = "tensors".parse::<AskedMethod>().unwrap_err().to_string();
+        assert!(message.contains("did you mean \"tensor\"?"), "{message}");
     }
 
     #[test]

@@ -156,12 +156,21 @@ pub fn failed(error: &dyn std::fmt::Display) -> Failure {
     }
 }
 
-/// Warns of a coarse model that stores far more energy than the fine one under the same loads.
+/// Warns of a coarse model of voxels that stores far more energy than the fine one under the same loads.
 pub fn warn_of_softness(method: &str, energy_ratio: f64, progress: &Progress) {
+    warn_of_energy(method, energy_ratio, "base = \"material\" or a smaller degree", progress);
+}
+
+/// The same of a coarse mesh.
+pub fn warn_of_soft_mesh(method: &str, energy_ratio: f64, progress: &Progress) {
+    warn_of_energy(method, energy_ratio, "smaller coarse cells, or downsampling = \"nodes\"", progress);
+}
+
+fn warn_of_energy(method: &str, energy_ratio: f64, remedy: &str, progress: &Progress) {
     if energy_ratio > SUSPICIOUS_RATIO {
         progress.warn(&format!(
             "{method} stores {} times the fine model's energy, so it is much too soft: stiff parts may pass between its \
-             corners, or the body fills little of its cells; compare with base = \"material\" or a smaller degree",
+             corners, or the body fills little of its cells; compare with {remedy}",
             number(energy_ratio)
         ));
     }

@@ -179,20 +179,29 @@ impl<'a> Drawing<'a> {
     }
 }
 
-fn largest_displacement(u: &[f64]) -> f64 {
+/// Length of the longest vector of three.
+pub fn largest_displacement(u: &[f64]) -> f64 {
     u.chunks_exact(3).map(|v| v.iter().map(|x| x * x).sum::<f64>().sqrt()).fold(0.0, f64::max)
 }
 
-/// 1 where displacements are of a visible size; else the round factor (1, 2 or 5 times a power of ten) that makes them so.
 fn scale_of(problem: &Problem, displacement: &[f64]) -> f64 {
     let grid = problem.model.grid();
     let Some([low, high]) = grid.body_box() else { return 1.0 };
     let size = (0..3).map(|a| grid.spacing[a] * (high[a] - low[a]) as f64).fold(0.0, f64::max);
-    let share = largest_displacement(displacement) / size;
-    if share == 0.0 || (TRUE_SHARES[0]..=TRUE_SHARES[1]).contains(&share) {
-        return 1.0;
+    drawn_scale(size, largest_displacement(displacement))
+}
+
+/// 1 where displacements are of a visible size beside a body of this one \[m\]; else the round factor (1, 2 or 5 times a power of ten) that makes them so.
+pub fn drawn_scale(size: f64, largest: f64) -> f64 {
+    let share = largest / size;
+    match share == 0.0 || (TRUE_SHARES[0]..=TRUE_SHARES[1]).contains(&share) {
+        true => 1.0,
+        false => rounded_down(DRAWN_SHARE / share),
     }
-    let ideal = DRAWN_SHARE / share;
+}
+
+/// The largest number of 1, 2, 5 times a power of ten that is not above this positive one.
+fn rounded_down(ideal: f64) -> f64 {
     let power = 10f64.powf(ideal.log10().floor());
     let leading = ideal / power;
     power

@@ -15,7 +15,7 @@ use grosgrain::training::{RunTimeTraining, TrainingKind, run_time_training};
 use crate::body::{build_body, loose_when_held};
 use crate::failure::Failure;
 use crate::held_parts::{check_held_parts, held_parts};
-use crate::method::Method;
+use crate::method::{AskedMethod, Method};
 use crate::placed_loads::PlacedLoads;
 use crate::placed_springs::PlacedSprings;
 use crate::progress::Progress;
@@ -63,10 +63,17 @@ impl Problem {
     /// Reads a scene and makes its fine model.
     ///
     /// # Errors
-    /// Everything that is wrong with the scene or its files.
+    /// Everything that is wrong with the scene or its files; a body that is a mesh.
     pub fn read(file: &Path, progress: &Progress) -> Result<Self, Failure> {
+        Self::new(read_scene(file)?, progress)
+    }
+
+    /// The fine model of a scene of voxels.
+    ///
+    /// # Errors
+    /// Everything that is wrong with its files; a body that is a mesh.
+    pub fn new(scene: Scene, progress: &Progress) -> Result<Self, Failure> {
         let start = Instant::now();
-        let scene = read_scene(file)?;
         scene.warnings.iter().for_each(|warning| progress.warn(warning));
         let body = build_body(&scene)?;
         body.remarks.iter().for_each(|remark| progress.say(remark));
@@ -76,7 +83,7 @@ impl Problem {
         let holds = held_parts(&scene, &grid)?;
         check_held_parts(&scene, &grid, &holds)?;
         let fixed = holds.fixed_at(0.0, grid.lattice.node_count());
-        let unusable = |error: &dyn std::fmt::Display| Failure::Unusable(format!("{}: {error}", file.display()));
+        let unusable = |error: &dyn std::fmt::Display| Failure::Unusable(format!("{}: {error}", scene.file.display()));
         let model = FineModel::new(grid, &body.materials).map_err(|error| unusable(&error))?;
         let placed = PlacedLoads::new(&scene, &model)?;
         let loads = placed.assemble(&model, time_of(&scene, &schedule, 0));
@@ -131,8 +138,19 @@ impl Problem {
     }
 
     /// The method asked for on the command line, or the scene's.
-    pub fn method(&self, asked: Option<Method>) -> Method {
-        asked.unwrap_or(Method::of_training(self.scene.coarsening.training))
+    ///
+    /// # Errors
+    /// A method of meshes.
+    pub fn method(&self, asked: Option<&AskedMethod>) -> Result<Method, Failure> {
+        match asked {
+            Some(asked) => Ok(asked.for_voxels()?),
+            None => Ok(self.own_method()),
+        }
+    }
+
+    /// The scene's method.
+    pub fn own_method(&self) -> Method {
+        Method::of_training(self.scene.coarsening.training)
     }
 
     /// Says that only `simulate` makes edits.
@@ -177,6 +195,7 @@ impl Problem {
         let mut files = vec![self.scene.file.clone()];
         match &self.scene.body.source {
             Source::Volume(file) | Source::Moduli(file) => files.push(file.clone()),
+            Source::Mesh(mesh) => files.push(mesh.file.clone()),
             Source::Grid(_, Filling::File(file)) => files.push(file.clone()),
             Source::Grid(_, Filling::Pattern(_)) => {}
         }

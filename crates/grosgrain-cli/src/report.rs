@@ -7,6 +7,7 @@ use serde::Serialize;
 use sha2::{Digest, Sha256};
 
 use crate::failure::Failure;
+use crate::tracks::Books;
 
 /// The version of the report's layout; it grows when a field changes its meaning or goes.
 pub const SCHEMA_VERSION: u32 = 1;
@@ -64,7 +65,7 @@ pub struct ModelSize {
     pub cells: usize,
     /// Nodes that touch one.
     pub nodes: usize,
-    /// Displacement components, three per node, held ones included.
+    /// Displacement components, three per node and two or one for meshes in a plane or on a line, held ones included.
     pub unknowns: usize,
 }
 
@@ -159,6 +160,24 @@ pub struct Steps {
     pub speed_up: Option<f64>,
 }
 
+impl Steps {
+    /// What a method's books say, beside those of the fine model where that is another one and ran too.
+    pub fn of(method: &str, books: &Books, fine: Option<&Books>) -> Self {
+        let seconds_per_step = books.seconds_per_step();
+        let speed_up = fine.filter(|_| seconds_per_step > 0.0).map(|fine| fine.seconds_per_step() / seconds_per_step);
+        Self {
+            method: method.into(),
+            steps: books.steps,
+            seconds_per_step,
+            newton_steps: books.newton,
+            linear_iterations: books.linear,
+            divided_steps: books.divided,
+            relative_residual: books.residual,
+            speed_up,
+        }
+    }
+}
+
 /// The difference from the fine model.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct RunError {
@@ -166,6 +185,13 @@ pub struct RunError {
     pub rms_percent: f64,
     /// Elastic energy of the coarse model over that of the fine one.
     pub energy_ratio: f64,
+}
+
+impl RunError {
+    /// An error in percent with the energies that two books hold.
+    pub fn of(rms_percent: f64, books: &Books, fine: &Books) -> Self {
+        Self { rms_percent, energy_ratio: if fine.elastic == 0.0 { 1.0 } else { books.elastic / fine.elastic } }
+    }
 }
 
 /// SHA-256 over the contents of `files` in their order, each preceded by its length, as lower-case hexadecimal.

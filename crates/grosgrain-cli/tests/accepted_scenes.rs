@@ -3,11 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use grosgrain::coarsening::{BaseKind, Objective};
+use grosgrain::homogenization::Downsampling;
 use grosgrain::material::Elasticity;
 use grosgrain::mesh::{Axis, Blade, Brush, Cut, Label, PlaneAt, Selector};
 use grosgrain::training::TrainingKind;
 use grosgrain_cli::body::{Body, build_body, loose_when_held, solid_counts};
-use grosgrain_cli::scene::{LoadKind, Scene, Training, read_scene};
+use grosgrain_cli::scene::{
+    CoarseMeshSource, LoadKind, MeshCoarsening, MeshSource, Scene, Source, Training, read_scene,
+};
 
 const CONDITIONS: &str = "
 [coarsening]
@@ -355,4 +358,35 @@ fn keys_of_dynamic_runs_are_checked_and_told_to_have_no_effect_in_a_static_one()
     let told = ["step", "steps", "integrator", "damping"];
     let expected = told.map(|key| format!("time.{key} has no effect in a static run"));
     assert_eq!(scene.warnings, expected);
+}
+
+#[test]
+fn scenes_of_meshes_tell_where_fine_and_coarse_meshes_come_from() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = |body: &str, coarsening: &str| {
+        let file = folder.path().join("scene.toml");
+        let materials =
+            "[materials.gel]\nlabel = 1\nmodel = \"corotational\"\nyoung = 1e5\npoisson = 0.3\ndensity = 1e3\n";
+        std::fs::write(&file, format!("[body]\n{body}\n{materials}{coarsening}")).unwrap();
+        read_scene(&file).unwrap_or_else(|error| panic!("{error}"))
+    };
+    for name in ["fine.mesh", "coarse.msh"] {
+        std::fs::write(folder.path().join(name), "").unwrap();
+    }
+    let plain = scene("mesh = \"fine.mesh\"", "");
+    let source = MeshSource { file: folder.path().join("fine.mesh"), scale: 1.0 };
+    assert!(plain.is_mesh() && plain.is_nonlinear());
+    assert_eq!(
+        (&plain.body.source, &plain.mesh_coarsening),
+        (&Source::Mesh(source.clone()), &MeshCoarsening::default())
+    );
+    let full = scene(
+        "mesh = \"fine.mesh\"\nscale = 0.001",
+        "[coarsening]\nmesh = \"coarse.msh\"\ndownsampling = \"fitted\"\nheld = true",
+    );
+    let mesh = CoarseMeshSource::File(folder.path().join("coarse.msh"));
+    assert_eq!(full.body.source, Source::Mesh(MeshSource { scale: 0.001, ..source }));
+    assert_eq!(full.mesh_coarsening, MeshCoarsening { mesh, downsampling: Downsampling::Fitted, held: true });
+    let lattice = scene("mesh = \"fine.mesh\"", "[coarsening]\ncells = 600");
+    assert_eq!(lattice.mesh_coarsening.mesh, CoarseMeshSource::Lattice(600));
 }

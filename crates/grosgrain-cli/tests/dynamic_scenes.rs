@@ -11,8 +11,10 @@ use grosgrain::mesh::Node;
 use grosgrain::update::LooseParts;
 use grosgrain_cli::body::{Body, build_body};
 use grosgrain_cli::held_parts::{check_held_parts, held_parts};
+use grosgrain_cli::meshes::MeshProblem;
 use grosgrain_cli::placed_loads::PlacedLoads;
 use grosgrain_cli::placed_springs::PlacedSprings;
+use grosgrain_cli::progress::Progress;
 use grosgrain_cli::scene::{Ground, Mode, Scene, SceneError, Start, Time, read_scene};
 use grosgrain_cli::schedule::EditSchedule;
 
@@ -249,9 +251,17 @@ fn the_scenes_in_the_documentation_can_be_read_and_hold_together() {
     let text = std::fs::read_to_string(root.join("docs/scenes.md")).unwrap();
     let blocks = text.split("```toml\n").skip(1).filter_map(|rest| rest.split("```").next());
     let (whole, parts): (Vec<&str>, Vec<&str>) = blocks.partition(|block| block.starts_with("title ="));
-    assert_eq!(whole.len(), 2);
+    assert_eq!(whole.len(), 3);
+    let meshes = format!("mesh = \"{}/", root.join("data/meshes").canonicalize().unwrap().display());
     for text in whole {
-        let scene = try_read(text).unwrap_or_else(|error| panic!("{error}"));
+        let text = text.replace("mesh = \"", &meshes);
+        let scene = try_read(&text).unwrap_or_else(|error| panic!("{error}"));
+        if scene.is_mesh() {
+            let problem = MeshProblem::new(scene, &Progress::new(true)).unwrap_or_else(|error| panic!("{error}"));
+            problem.require_support().unwrap_or_else(|error| panic!("{error}"));
+            assert_eq!(problem.scene.warnings, Vec::<String>::new(), "{}", problem.scene.title);
+            continue;
+        }
         let grid = body(&scene).grid;
         let holds = held_parts(&scene, &grid).unwrap();
         check_held_parts(&scene, &grid, &holds).unwrap_or_else(|error| panic!("{error}"));

@@ -3,6 +3,8 @@
 use std::path::Path;
 
 use assert_cmd::Command;
+use grosgrain::io::mesh::write_mesh as write_mesh_file;
+use grosgrain::simplex::{BoundingBox, BoxCut, Dimension, SimplexLattice};
 
 const CASES: &str = include_str!("data/bad_scenes.toml");
 
@@ -18,6 +20,14 @@ fn write_npy(path: &Path, descr: &str, shape: &str, data: &[u8]) {
     std::fs::write(path, file).unwrap();
 }
 
+/// A box of boxes as a file; cells have tag 1 beyond half of its length.
+fn write_mesh(path: &Path, dimension: Dimension, boxes: [usize; 3], [low, high]: [[f64; 3]; 2]) {
+    let around = BoundingBox { lower: low, upper: high };
+    let mesh = SimplexLattice { dimension, boxes, around, cut: BoxCut::Alike }.mesh().unwrap();
+    let mesh = mesh.tagged(|at| i32::from(2.0 * at[0] > low[0] + high[0]));
+    write_mesh_file(path, &mesh, &[]).unwrap();
+}
+
 fn texts(value: &toml::Value) -> Vec<&str> {
     value.as_array().unwrap().iter().map(|text| text.as_str().unwrap()).collect()
 }
@@ -28,6 +38,12 @@ fn every_bad_scene_is_refused_with_its_sentences_and_exit_code_2() {
     let folder = tempfile::tempdir().unwrap();
     write_npy(&folder.path().join("labels.npy"), "|u1", "(2, 2, 4)", &[0, 1, 2, 1].repeat(4));
     write_npy(&folder.path().join("moduli.npy"), "<f8", "(2, 2, 2)", &1e6f64.to_le_bytes().repeat(8));
+    let block = [[0.0; 3], [0.08, 0.04, 0.04]];
+    let mesh = |name: &str, dimension, boxes, around| write_mesh(&folder.path().join(name), dimension, boxes, around);
+    mesh("block.mesh", Dimension::Three, [2, 2, 2], block);
+    mesh("far.mesh", Dimension::Three, [1; 3], [[1.0; 3], [2.0; 3]]);
+    mesh("long.mesh", Dimension::Three, [2, 1, 1], [[0.0; 3], [0.16, 0.04, 0.04]]);
+    mesh("plate.mesh", Dimension::Two, [4, 4, 1], [[0.0; 3], [0.08, 0.04, 0.0]]);
     let cases = table["case"].as_array().unwrap();
     assert!(cases.len() >= 100, "{} cases", cases.len());
     for case in cases {

@@ -102,6 +102,7 @@ fn coarse_panel() -> Panel {
         colouring: Colouring::Scalar { at_vertex: error, scale },
         grid: coarse_edges(),
         ghost: box_edges(),
+        ..Panel::default()
     }
 }
 

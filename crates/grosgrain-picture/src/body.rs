@@ -9,6 +9,8 @@ use crate::{
     surface::{self, EdgeKind, Normals},
 };
 
+/// How far behind the body's surface a wire is still drawn, in radii of what the camera sees.
+const WIRE_DEPTH: f64 = 0.06;
 /// Samples per pixel along each axis.
 const SAMPLES: usize = 3;
 const INK: Rgb = [0x1d, 0x23, 0x2e];
@@ -104,18 +106,20 @@ impl<'a> Palette<'a> {
             Colouring::Category { legend, .. } => {
                 legend.iter().enumerate().map(|(i, c)| c.colour.unwrap_or_else(|| category_colour(i))).collect()
             }
-            Colouring::Scalar { scale, .. } => (0..1024).map(|i| scale.colour(f64::from(i) / 1023.0)).collect(),
+            Colouring::Scalar { scale, .. } | Colouring::QuadScalar { scale, .. } => {
+                (0..1024).map(|i| scale.colour(f64::from(i) / 1023.0)).collect()
+            }
         };
         Self { table: colours.into_iter().map(to_linear).collect(), colouring, range }
     }
 
     fn tone(&self, quad: usize, vertex: u32) -> f64 {
+        let along = |value: f64| ((value - self.range[0]) / (self.range[1] - self.range[0])).clamp(0.0, 1.0);
         match self.colouring {
             Colouring::Plain(_) => 0.0,
             Colouring::Category { of_quad, .. } => f64::from(of_quad[quad]) / (self.table.len() - 1).max(1) as f64,
-            Colouring::Scalar { at_vertex, .. } => {
-                ((at_vertex[vertex as usize] - self.range[0]) / (self.range[1] - self.range[0])).clamp(0.0, 1.0)
-            }
+            Colouring::Scalar { at_vertex, .. } => along(at_vertex[vertex as usize]),
+            Colouring::QuadScalar { of_quad, .. } => along(of_quad[quad]),
         }
     }
 
@@ -135,7 +139,8 @@ impl Body<'_> {
             };
             let corners: [Corner; 4] = std::array::from_fn(corner);
             let [a, b, c, d] = corners;
-            let large = (a.x - c.x).abs().max((a.y - c.y).abs()) > 6.0 * SAMPLES as f64;
+            let is_triangle = vertices[2] == vertices[3];
+            let large = !is_triangle && (a.x - c.x).abs().max((a.y - c.y).abs()) > 6.0 * SAMPLES as f64;
             if large {
                 let centre = Corner::mean(&corners);
                 for [p, q] in [[a, b], [b, c], [c, d], [d, a]] {
@@ -143,7 +148,9 @@ impl Body<'_> {
                 }
             } else {
                 raster.triangle(quad as u32, [a, b, c]);
-                raster.triangle(quad as u32, [a, c, d]);
+                if !is_triangle {
+                    raster.triangle(quad as u32, [a, c, d]);
+                }
             }
         }
     }
@@ -162,6 +169,7 @@ impl Body<'_> {
         for edge in &edges {
             let (width, opacity) = match edge.kind {
                 EdgeKind::Boundary => (1.0, 0.22 + 0.38 * room),
+                EdgeKind::Rim => (1.2, 0.60),
                 EdgeKind::Silhouette => (1.1, 0.30 + 0.25 * room),
                 EdgeKind::Crease => (0.9, 0.40 * room),
                 EdgeKind::Cell => (0.8, 0.20 * room),
@@ -181,6 +189,13 @@ impl Body<'_> {
                 let [a, b] = line.map(|p| self.placement.sample(p));
                 raster.line(a, b, pen);
             }
+        }
+        let pen = self.placement.pen(1, 1.6, 0.85);
+        let samples = self.placement.scale * SAMPLES as f64;
+        let pen = Pen { bias: (WIRE_DEPTH * self.placement.camera.radius * samples).max(pen.bias), ..pen };
+        for edge in surface::edges_to_eye(&self.panel.wires, self.placement.camera) {
+            let [a, b] = edge.map(|v| self.placement.sample(self.panel.wires.positions[v as usize]));
+            raster.line(a, b, pen);
         }
     }
 

@@ -44,17 +44,45 @@ pub struct Panel {
     pub colouring: Colouring,
     /// Lines on the surface, such as coarse cell edges; hidden where the surface hides them.
     pub grid: Lines,
+    /// A surface of which only the edges of faces turned to the eye are drawn, such as that of a coarse mesh in or around the body; hidden only where the body's surface lies far
+    /// in front of it.
+    pub wires: QuadSurface,
     /// Faint lines, such as the outline of the undeformed body; drawn on the background only.
     pub ghost: Lines,
 }
 
-/// A surface of quadrilaterals, corners in order around each.
+/// A surface of quadrilaterals and triangles, corners in order around each.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct QuadSurface {
     /// Deformed positions, any unit.
     pub positions: Vec<[f64; 3]>,
-    /// Four vertices each; either orientation is drawn.
+    /// Four vertices each; a triangle names its last one twice. Either orientation is drawn.
     pub quads: Vec<[u32; 4]>,
+}
+
+impl QuadSurface {
+    /// A surface of triangles alone.
+    ///
+    /// ```
+    /// use grosgrain_picture::QuadSurface;
+    /// let positions = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    /// assert_eq!(QuadSurface::of_triangles(positions, &[[0, 1, 2]]).quads, [[0, 1, 2, 2]]);
+    /// ```
+    pub fn of_triangles(positions: Vec<[f64; 3]>, triangles: &[[u32; 3]]) -> Self {
+        Self { positions, quads: triangles.iter().map(|[a, b, c]| [*a, *b, *c, *c]).collect() }
+    }
+}
+
+impl QuadSurface {
+    fn validate(&self, panel: usize, what: &'static str) -> Result<(), PictureError> {
+        let count = self.positions.len();
+        for (quad, corners) in self.quads.iter().enumerate() {
+            if let Some(&index) = corners.iter().find(|v| **v as usize >= count) {
+                return Err(PictureError::Index { panel, quad, what, index, count });
+            }
+        }
+        Ok(())
+    }
 }
 
 /// How a surface is coloured.
@@ -73,6 +101,13 @@ pub enum Colouring {
     Scalar {
         /// Value at each vertex.
         at_vertex: Vec<f64>,
+        /// What the values mean and how they become colours.
+        scale: ColourScale,
+    },
+    /// A colour by value that jumps from quad to quad, with a colour bar.
+    QuadScalar {
+        /// Value of each quad.
+        of_quad: Vec<f64>,
         /// What the values mean and how they become colours.
         scale: ColourScale,
     },
@@ -131,12 +166,9 @@ impl Panel {
         finite(at, "a coordinate of vertex", &surface.positions, |p| p)?;
         finite(at, "a coordinate of grid line", &self.grid, |line| line.as_flattened())?;
         finite(at, "a coordinate of ghost line", &self.ghost, |line| line.as_flattened())?;
-        let count = surface.positions.len();
-        for (quad, corners) in surface.quads.iter().enumerate() {
-            if let Some(&index) = corners.iter().find(|v| **v as usize >= count) {
-                return Err(PictureError::Index { panel: at, quad, what: "vertex", index, count });
-            }
-        }
+        finite(at, "a coordinate of wire vertex", &self.wires.positions, |p| p)?;
+        surface.validate(at, "vertex")?;
+        self.wires.validate(at, "wire vertex")?;
         self.validate_colouring(at)
     }
 
@@ -156,13 +188,24 @@ impl Panel {
             Colouring::Scalar { at_vertex, scale } => {
                 length(at, "values", at_vertex.len(), (self.surface.positions.len(), "vertices"))?;
                 finite(at, "the value at vertex", at_vertex, std::slice::from_ref)?;
-                match scale.range {
-                    Some([low, high]) if !(low < high && (high - low).is_finite()) => {
-                        Err(PictureError::Range { panel: at, low, high })
-                    }
-                    _ => Ok(()),
-                }
+                scale.validate(at)
             }
+            Colouring::QuadScalar { of_quad, scale } => {
+                length(at, "values", of_quad.len(), (self.surface.quads.len(), "quads"))?;
+                finite(at, "the value of quad", of_quad, std::slice::from_ref)?;
+                scale.validate(at)
+            }
+        }
+    }
+}
+
+impl ColourScale {
+    fn validate(&self, panel: usize) -> Result<(), PictureError> {
+        match self.range {
+            Some([low, high]) if !(low < high && (high - low).is_finite()) => {
+                Err(PictureError::Range { panel, low, high })
+            }
+            _ => Ok(()),
         }
     }
 }

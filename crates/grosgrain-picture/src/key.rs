@@ -34,7 +34,9 @@ impl ColourScale {
 /// The ends of a panel's colour scale; of no meaning for other colourings.
 pub(crate) fn range(panel: &Panel) -> [f64; 2] {
     match &panel.colouring {
-        Colouring::Scalar { at_vertex, scale } => scale.ends(at_vertex),
+        Colouring::Scalar { at_vertex: values, scale } | Colouring::QuadScalar { of_quad: values, scale } => {
+            scale.ends(values)
+        }
         _ => [0.0, 1.0],
     }
 }
@@ -44,7 +46,7 @@ pub(crate) fn height(panel: &Panel, theme: &Theme, width: f32) -> f32 {
     match &panel.colouring {
         Colouring::Plain(_) => 0.0,
         Colouring::Category { legend, .. } => 40.0 * theme.unit * legend_rows(legend, theme, width).len() as f32,
-        Colouring::Scalar { .. } => 96.0 * theme.unit,
+        Colouring::Scalar { .. } | Colouring::QuadScalar { .. } => 96.0 * theme.unit,
     }
 }
 
@@ -53,7 +55,9 @@ pub(crate) fn draw(panel: &Panel, theme: &Theme, image: &mut Image, area: Rect) 
     match &panel.colouring {
         Colouring::Plain(_) => {}
         Colouring::Category { legend, .. } => draw_legend(legend, theme, image, area),
-        Colouring::Scalar { scale, .. } => draw_bar(scale, range(panel), theme, image, area),
+        Colouring::Scalar { scale, .. } | Colouring::QuadScalar { scale, .. } => {
+            draw_bar(scale, range(panel), theme, image, area);
+        }
     }
 }
 

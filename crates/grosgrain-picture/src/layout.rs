@@ -39,7 +39,8 @@ impl Panel {
     /// Everything the camera must see. A vertex that no quad uses is not drawn, but may say how much room to leave.
     pub(crate) fn points(&self) -> impl Iterator<Item = [f64; 3]> + '_ {
         let lines = self.grid.iter().chain(&self.ghost);
-        self.surface.positions.iter().copied().chain(lines.flat_map(|line| *line))
+        let vertices = self.surface.positions.iter().chain(&self.wires.positions).copied();
+        vertices.chain(lines.flat_map(|line| *line))
     }
 }
 

@@ -110,6 +110,42 @@ fn a_block_that_is_pressed_in_as_a_whole_meets_the_ground_with_its_area() {
     }
 }
 
+/// Cells that stay above the ground as a whole are passed over; what the points of the others do is summed here one by one.
+#[test]
+fn points_push_as_if_each_were_asked_for_itself_also_where_most_cells_are_in_the_air() {
+    let mut random = Uniform(11);
+    // Larger than the coarse mesh, so that weights are negative too.
+    let surface = lattice(Dimension::Three, [9, 7, 5], [0.044, 0.04, 0.022]);
+    let model = uniform(lattice(Dimension::Three, [4, 4, 2], BLOCK), (1e5, 0.3), 1000.0);
+    let points = SurfacePoint::embedded(&surface, model.mesh()).unwrap();
+    let (mut partly, cases) = (0, 60);
+    for case in 0..cases {
+        let ground = Ground { height: -0.01 + 0.0005 * f64::from(case), friction: 0.0, stiffness: 1e6 };
+        let conditions = Conditions { ground: Some(ground), ..Conditions::default() };
+        let body = SimplexBody::new(&model, SimplexLaw::Corotational, conditions).unwrap();
+        let body = body.with_surface(&points).unwrap();
+        let nodes = model.mesh().nodes();
+        let u: Vec<f64> = (0..3 * nodes.len()).map(|_| 0.003 * random.signed()).collect();
+        let (mut energy, mut force, mut deep) = (0.0, 0.0, 0);
+        for point in &points {
+            let corners = model.mesh().cell(point.cell as usize).iter().zip(point.weights);
+            let z: f64 = corners.map(|(n, w)| w * (nodes[*n as usize][2] + u[3 * *n as usize + 2])).sum();
+            let depth = (ground.height - z).max(0.0);
+            energy += 0.5 * ground.stiffness * point.area * depth * depth;
+            force -= ground.stiffness * point.area * depth;
+            deep += usize::from(depth > 0.0);
+        }
+        partly += usize::from(0 < deep && deep < points.len());
+        let mut gradient = vec![0.0; u.len()];
+        let found = body.gradient(&u, &mut gradient).unwrap().points;
+        assert!((found - energy).abs() <= 1e-12 * energy, "case {case}: {found} instead of {energy} J");
+        assert_eq!(body.energy_of_points(&u).unwrap(), found);
+        let upwards: f64 = gradient.chunks_exact(3).map(|g| g[2]).sum();
+        assert!((upwards - force).abs() <= 1e-9 * force.abs() + 1e-9, "case {case}: {upwards} instead of {force} N");
+    }
+    assert!(partly > cases as usize / 2, "{partly}");
+}
+
 #[test]
 fn derivatives_with_ground_and_friction_are_those_of_the_energy() {
     let ground = Ground { height: 0.001, friction: 0.4, stiffness: 1e7 };

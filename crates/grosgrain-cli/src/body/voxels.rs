@@ -23,6 +23,10 @@ pub fn read_grid(scene: &Scene) -> Result<(VoxelGrid, Option<Volume>), Failure> 
             (moduli(scene, path, &volume)?, Some(volume))
         }
         Source::Grid(grid, filling) => (fill(scene, grid, filling)?, None),
+        Source::Mesh(_) => {
+            let sentence = "the body is a mesh where voxels are needed; expected body.volume, or grid with pattern";
+            return Err(unusable(scene, "body.mesh", sentence));
+        }
     };
     match &scene.body.modulus {
         None => {}

@@ -3,16 +3,19 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use grosgrain::homogenization::{BoundaryNormals, HomogenizeOptions, Homogenized, SimplexModel, homogenize};
-use grosgrain::io::mesh::{AbaqusDeck, AbaqusMaterials, read_mesh, write_abaqus};
+use grosgrain::homogenization::{
+    BoundaryNormals, Downsampling, HarmonicOptions, HomogenizeOptions, Homogenized, SimplexModel, homogenize,
+};
+use grosgrain::io::mesh::{AbaqusDeck, AbaqusMaterials, write_abaqus};
 use grosgrain::io::vtk::{DataArray, SimplexGrid, Values, write_simplex_vtu};
 use grosgrain::io::{write_atomically, write_tensors};
-use grosgrain::material::{Material, MaterialTable};
-use grosgrain::simplex::{Severity, SimplexMesh, check_mesh};
+use grosgrain::mesh::{Axis, PlaneAt, Selector};
+use grosgrain::simplex::{BoxCut, SimplexLattice, SimplexMesh, select_nodes};
 use serde::Serialize;
 
 use crate::failure::Failure;
 use crate::interruption;
+use crate::meshes::{LEAST_FILLED, NamedMesh, SUSPICIOUS_STIFFENING, material_table, read_checked, tell_unused};
 use crate::output::OutputFolder;
 use crate::progress::Progress;
 use crate::quantities::{count, number, seconds};
@@ -20,8 +23,8 @@ use crate::results;
 use crate::scene::read_material_file;
 
 const EXAMPLES: &str = "Examples:
-  grosgrain homogenize bar.msh --onto coarse.msh --materials bar.toml -o tensors.vtu
-  grosgrain homogenize ct.mesh --onto coarse.mesh --materials ct.toml --scale 0.001 -o ct.inp";
+  grosgrain homogenize ct.mesh --onto coarse.mesh --materials ct.toml --scale 0.001 -o ct.inp
+  grosgrain homogenize part.msh --cells 600 --materials part.toml --held x=min --downsampling fitted";
 
 /// Arguments of `homogenize`.
 #[derive(Args, Clone, Debug)]
@@ -30,8 +33,11 @@ pub struct Arguments {
     /// The fine mesh, a tag for the material of each cell
     fine: PathBuf,
     /// The coarse mesh of the same body
-    #[arg(long, value_name = "COARSE")]
-    onto: PathBuf,
+    #[arg(long, value_name = "COARSE", required_unless_present = "cells", conflicts_with = "cells")]
+    onto: Option<PathBuf>,
+    /// Without a coarse mesh: make one of about so many cells, boxes around the body cut into simplices
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    cells: Option<u32>,
     /// A TOML file with the `[materials.*]` tables of a scene; `label` is the tag of the cells
     #[arg(long, value_name = "M.toml")]
     materials: PathBuf,
@@ -41,8 +47,15 @@ pub struct Arguments {
     /// Load the fine mesh along the normals of the coarse boundary instead of its own, as the paper does
     #[arg(long)]
     coarse_normals: bool,
-    /// Where the coarse mesh with its tensors is written, by its ending: .vtu or .inp (Abaqus); without it the coarse mesh's name with
-    /// -tensors.vtu, in the current folder
+    /// Nodes that will be held in use, which the harmonic displacements then hold as well: an end of the fine mesh (x=min, z=max) or a
+    /// plane (y=0.02, in metres); several may be given
+    #[arg(long, value_name = "AXIS=AT", value_parser = parse_plane)]
+    held: Vec<Selector>,
+    /// How harmonic displacements are taken to the coarse mesh: their values at its nodes, or the closest coarse fields
+    #[arg(long, value_name = "HOW", value_enum, default_value_t = How::Nodes)]
+    downsampling: How,
+    /// Where the coarse mesh with its tensors is written, by its ending: .vtu or .inp (Abaqus); without it the coarse mesh's name (with
+    /// --cells that of the fine mesh) with -tensors.vtu, in the current folder
     #[arg(short, long, value_name = "OUT")]
     output: Option<PathBuf>,
     /// Write tensors, masses and harmonic displacements for NumPy
@@ -51,6 +64,33 @@ pub struct Arguments {
     /// Write the figures as JSON
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
+}
+
+/// The library's [`Downsampling`] on the command line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum, Serialize)]
+#[serde(rename_all = "lowercase")]
+enum How {
+    /// Values at the coarse nodes, as published
+    Nodes,
+    /// The coarse fields closest in the mean over the body
+    Fitted,
+}
+
+fn parse_plane(text: &str) -> Result<Selector, String> {
+    let expected = || "expected x, y or z, then = and min, max or a number of metres, e.g. x=min".to_owned();
+    let (axis, at) = text.split_once('=').ok_or_else(expected)?;
+    let axis = match axis {
+        "x" => Axis::X,
+        "y" => Axis::Y,
+        "z" => Axis::Z,
+        _ => return Err(expected()),
+    };
+    let at = match at {
+        "min" => PlaneAt::Min,
+        "max" => PlaneAt::Max,
+        number => PlaneAt::Coordinate(number.parse().ok().filter(|x: &f64| x.is_finite()).ok_or_else(expected)?),
+    };
+    Ok(Selector::Plane { axis, at })
 }
 
 fn parse_scale(text: &str) -> Result<f64, String> {
@@ -88,6 +128,7 @@ impl TensorFormat {
                         cell("stiffness", Values::Stiffness(&effective.tensors)),
                         cell("density", Values::Scalar(&found.density)),
                         cell("condition", Values::Scalar(&effective.condition)),
+                        cell("stiffening", Values::Scalar(&effective.stiffening)),
                         cell("filled", Values::Scalar(&found.filled)),
                         cell("averaged", Values::Integer(&averaged)),
                     ],
@@ -111,15 +152,24 @@ impl TensorFormat {
 struct Figures {
     fine: Size,
     coarse: Size,
+    /// How harmonic displacements were taken to the coarse mesh.
+    downsampling: How,
     seconds: Stages,
     /// Total mass of the coarse nodes [kg].
     mass: f64,
     /// Difference of that from the mass of the fine mesh, relative.
     mass_difference: f64,
-    worst_condition: Option<f64>,
+    worst_condition: f64,
     worst_condition_cell: usize,
+    /// Largest energy of a strain over that of the volume average.
+    worst_stiffening: f64,
+    worst_stiffening_cell: usize,
+    /// Coarse cells where it is suspicious.
+    stiffened_cells: usize,
     /// Coarse nodes outside the fine mesh.
     extrapolated_nodes: usize,
+    /// How many times an error of nodal values may grow by extrapolation, at worst.
+    worst_amplification: f64,
     /// Coarse cells in which some strains took the volume average.
     averaged_cells: Vec<u32>,
     least_filled: f64,
@@ -141,12 +191,16 @@ struct Stages {
 
 /// Reads the meshes, homogenizes, writes.
 pub fn run(arguments: &Arguments, progress: &Progress) -> Result<(), Failure> {
-    let output = arguments.output.clone().unwrap_or_else(|| default_output(&arguments.onto));
+    let output = arguments.output.clone().unwrap_or_else(|| default_output(arguments));
     let format = TensorFormat::of(&output)?;
     let start = std::time::Instant::now();
-    let table = material_table(&arguments.materials, progress)?;
+    let materials = read_material_file(&arguments.materials)?;
+    let table = material_table(&materials);
+    for material in materials.iter().filter(|material| material.density.is_none()) {
+        progress.warn(&format!("materials.{} has no density; its cells count as without mass", material.name));
+    }
     let (fine, names) = read(&arguments.fine, arguments.scale, progress)?;
-    let (coarse, coarse_names) = read(&arguments.onto, arguments.scale, progress)?;
+    let (coarse, coarse_names) = coarse_mesh(arguments, &fine, progress)?;
     let model = SimplexModel::new(fine, &table)
         .map_err(|error| Failure::Unusable(format!("{}: {error}", arguments.materials.display())))?;
     tell_unused(&table, &model, &names, progress);
@@ -158,12 +212,18 @@ pub fn run(arguments: &Arguments, progress: &Progress) -> Result<(), Failure> {
         .collect::<Result<Vec<_>, _>>()?;
     let report = |name, done, total| progress.report(name, done, total);
     let normals = if arguments.coarse_normals { BoundaryNormals::Coarse } else { BoundaryNormals::Fine };
-    let options = HomogenizeOptions { normals, ..HomogenizeOptions::default() };
+    let downsampling = match arguments.downsampling {
+        How::Nodes => Downsampling::AtNodes,
+        How::Fitted => Downsampling::Fitted,
+    };
+    let harmonic = HarmonicOptions { held: held_nodes(arguments, model.mesh())?, ..HarmonicOptions::default() };
+    let options = HomogenizeOptions { normals, harmonic, downsampling, ..HomogenizeOptions::default() };
     let found = homogenize(&model, &coarse, &options, &report).map_err(|error| {
-        Failure::Failed(format!("{} onto {}: {error}", arguments.fine.display(), arguments.onto.display()))
+        let onto = arguments.onto.as_ref().map_or_else(String::new, |coarse| format!(" onto {}", coarse.display()));
+        Failure::Failed(format!("{}{onto}: {error}", arguments.fine.display()))
     })?;
     progress.close();
-    let figures = Figures::new(&model, &coarse, &found, reading);
+    let figures = Figures::new(&model, &coarse, &found, (arguments.downsampling, reading));
     figures.warn(progress);
     interruption::check()?;
     format.write(&output, (&coarse, &coarse_names), &found)?;
@@ -178,73 +238,77 @@ pub fn run(arguments: &Arguments, progress: &Progress) -> Result<(), Failure> {
     results::print(&figures.text(&written))
 }
 
-fn default_output(coarse: &Path) -> PathBuf {
-    let mut name = coarse.file_stem().unwrap_or_default().to_owned();
+fn read(file: &Path, scale: f64, progress: &Progress) -> Result<NamedMesh, Failure> {
+    read_checked(file, scale, progress).map_err(Failure::Failed)
+}
+
+/// The coarse mesh that was given, or one made around the fine mesh.
+fn coarse_mesh(arguments: &Arguments, fine: &SimplexMesh, progress: &Progress) -> Result<NamedMesh, Failure> {
+    if let Some(onto) = &arguments.onto {
+        return read(onto, arguments.scale, progress);
+    }
+    let count = arguments.cells.unwrap_or(1) as usize;
+    let made = SimplexLattice::mesh_of_about(count, fine, BoxCut::Alternating, LEAST_FILLED);
+    let mesh = made.map_err(|error| Failure::Failed(format!("{}: {error}", arguments.fine.display())))?;
+    progress.say(&format!(
+        "made a coarse mesh of {} cells, all filled to {:.0} % at least",
+        crate::quantities::count(mesh.cell_count()),
+        100.0 * LEAST_FILLED
+    ));
+    Ok((mesh, Vec::new()))
+}
+
+/// Which fine nodes any of the planes holds; none without planes.
+fn held_nodes(arguments: &Arguments, fine: &SimplexMesh) -> Result<Vec<bool>, Failure> {
+    let mut held = Vec::new();
+    for plane in &arguments.held {
+        let picked = select_nodes(fine, plane)
+            .map_err(|error| Failure::Unusable(format!("{}: --held: {error}", arguments.fine.display())))?;
+        held.resize(picked.len(), false);
+        held.iter_mut().zip(picked).for_each(|(held, here)| *held |= here);
+    }
+    Ok(held)
+}
+
+fn default_output(arguments: &Arguments) -> PathBuf {
+    let mesh = arguments.onto.as_ref().unwrap_or(&arguments.fine);
+    let mut name = mesh.file_stem().unwrap_or_default().to_owned();
     name.push("-tensors.vtu");
     PathBuf::from(name)
 }
 
-/// The materials by tag. Coarse tensors are those of linear elasticity, whatever law the material has beyond.
-fn material_table(file: &Path, progress: &Progress) -> Result<MaterialTable, Failure> {
-    let materials = read_material_file(file)?;
-    let mut table = MaterialTable::new();
-    for material in &materials {
-        let Some(elasticity) = material.own_elasticity() else { continue };
-        if material.density.is_none() {
-            progress.warn(&format!("materials.{} has no density; its cells count as without mass", material.name));
-        }
-        let density = material.density.unwrap_or(0.0);
-        table.insert(material.label, Material::linear(material.name.clone(), *elasticity, density));
-    }
-    Ok(table)
-}
-
-/// Reads a mesh and tells what is odd about it; what cannot be computed with is refused.
-fn read(file: &Path, scale: f64, progress: &Progress) -> Result<(SimplexMesh, Vec<(i32, String)>), Failure> {
-    let failed = |error: &dyn std::fmt::Display| Failure::Failed(format!("{}: {error}", file.display()));
-    let contents = read_mesh(file).map_err(|error| failed(&error))?;
-    for sentence in &contents.skipped {
-        progress.say(&format!("{}: {sentence}", file.display()));
-    }
-    let names = contents.names.clone();
-    let mesh = contents.scaled(scale).into_mesh().map_err(|error| failed(&error))?;
-    for finding in check_mesh(&mesh) {
-        match finding.severity() {
-            Severity::Warning => progress.warn(&format!("{}: {finding}", file.display())),
-            Severity::Error => return Err(failed(&finding)),
-        }
-    }
-    Ok((mesh, names))
-}
-
-/// Materials that no cell has: often a slip in a label.
-fn tell_unused(table: &MaterialTable, model: &SimplexModel, names: &[(i32, String)], progress: &Progress) {
-    for (label, material) in table.iter().filter(|(label, _)| !model.mesh().tags().contains(&label.0)) {
-        let named: Vec<String> = names.iter().map(|(tag, name)| format!("{tag} is {name}")).collect();
-        let hint = if named.is_empty() { String::new() } else { format!(" (in the file {})", named.join(", ")) };
-        progress.warn(&format!("materials.{} has label {label}, which no cell has{hint}", material.name));
-    }
-}
-
 impl Figures {
-    fn new(model: &SimplexModel, coarse: &SimplexMesh, found: &Homogenized, reading: f64) -> Self {
+    fn new(
+        model: &SimplexModel,
+        coarse: &SimplexMesh,
+        found: &Homogenized,
+        (downsampling, reading): (How, f64),
+    ) -> Self {
         let Homogenized { downsampled, effective, mass, filled, .. } = found;
         let [harmonic, intersections, tensors] = found.seconds;
         let size = |mesh: &SimplexMesh| Size { cells: mesh.cell_count(), nodes: mesh.nodes().len() };
-        let worst = (0..).zip(&effective.condition).max_by(|a, b| a.1.total_cmp(b.1));
-        let (worst_condition_cell, worst_condition) =
-            worst.map_or((0, f64::INFINITY), |(cell, condition)| (cell, *condition));
+        let worst = |values: &[f64]| {
+            let worst = (0..).zip(values).max_by(|a, b| a.1.total_cmp(b.1));
+            worst.map_or((0, 0.0), |(cell, value)| (cell, *value))
+        };
+        let (worst_condition_cell, worst_condition) = worst(&effective.condition);
+        let (worst_stiffening_cell, worst_stiffening) = worst(&effective.stiffening);
         let total: f64 = mass.iter().sum();
         let mass_difference = if model.mass() > 0.0 { total / model.mass() - 1.0 } else { 0.0 };
         Self {
             fine: size(model.mesh()),
             coarse: size(coarse),
+            downsampling,
             seconds: Stages { reading, harmonic, intersections, tensors },
             mass: total,
             mass_difference,
-            worst_condition: Some(worst_condition).filter(|condition| condition.is_finite()),
+            worst_condition,
             worst_condition_cell,
+            worst_stiffening,
+            worst_stiffening_cell,
+            stiffened_cells: effective.stiffening.iter().filter(|s| **s > SUSPICIOUS_STIFFENING).count(),
             extrapolated_nodes: downsampled.extrapolated.len(),
+            worst_amplification: downsampled.amplification,
             averaged_cells: effective.averaged.clone(),
             least_filled: filled.iter().copied().fold(f64::INFINITY, f64::min),
         }
@@ -257,11 +321,30 @@ impl Figures {
                 "in {} coarse cells, the first being cell {first}, the harmonic displacements do not determine all strains; the volume average stands in for them", count(cells)
             ));
         }
-        if self.extrapolated_nodes > 0 {
+        if self.stiffened_cells > 0 {
+            let fit = if self.downsampling == How::Nodes { "--downsampling fitted, " } else { "" };
+            progress.warn(&format!(
+                "the tensors of {} coarse cells are more than twice as stiff as the volume average of the material, which nothing can be; \
+                 at worst {} times, in cell {}: coarse nodes there move less than the body around them. Try {fit}--held where the body \
+                 will be held, or other coarse nodes",
+                count(self.stiffened_cells),
+                number(self.worst_stiffening),
+                self.worst_stiffening_cell
+            ));
+        }
+        let outside = format!(
+            "{} of {} coarse nodes lie outside the fine mesh",
+            count(self.extrapolated_nodes),
+            count(self.coarse.nodes)
+        );
+        if self.extrapolated_nodes > 0 && self.downsampling == How::Fitted {
             progress.say(&format!(
-                "{} of {} coarse nodes lie outside the fine mesh; displacements are extrapolated to them",
-                count(self.extrapolated_nodes),
-                count(self.coarse.nodes)
+                "{outside}; the fit takes their displacements from all of the body in the cells around them"
+            ));
+        } else if self.extrapolated_nodes > 0 {
+            progress.say(&format!(
+                "{outside}; displacements are extrapolated to them, errors of which may grow {}-fold",
+                number((10.0 * self.worst_amplification).round() / 10.0)
             ));
         }
     }
@@ -269,13 +352,21 @@ impl Figures {
     fn text(&self, written: &[PathBuf]) -> String {
         let row = |name: &str, value: String| (name.to_owned(), value);
         let size = |size: &Size| format!("{} cells, {} nodes", count(size.cells), count(size.nodes));
-        let condition = self.worst_condition.map_or_else(|| "singular".into(), number);
+        let condition = number(self.worst_condition);
         let Stages { reading, harmonic, intersections, tensors } = self.seconds;
         let rows = [
             row("fine mesh", size(&self.fine)),
             row("coarse mesh", size(&self.coarse)),
             row("mass", format!("{} kg", number(self.mass))),
             row("condition", format!("{condition} at worst, in coarse cell {}", self.worst_condition_cell)),
+            row(
+                "stiffening",
+                format!(
+                    "{} times the volume average at worst, in coarse cell {}",
+                    number(self.worst_stiffening),
+                    self.worst_stiffening_cell
+                ),
+            ),
             row("least filled", format!("{:.1} % of a coarse cell", 100.0 * self.least_filled)),
             row(
                 "time",

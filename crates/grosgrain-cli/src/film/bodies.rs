@@ -4,57 +4,11 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use grosgrain::fine::FineModel;
-use grosgrain::io::write_atomically;
 use grosgrain::mesh::{Label, Node};
-use grosgrain_picture::{
-    Animation, Camera, Category, Colouring, Image, Lines, Panel, PictureError, QuadSurface, Rgb, Strip, View,
-    category_colour,
-};
-use rayon::prelude::*;
 
-use super::reel::{Recorded, Reel, delay, note, time_labels};
+use super::footage::{FilmOptions, Footage, Shape};
 use crate::body_surface::BodySurface;
 use crate::failure::Failure;
-use crate::picture::save;
-
-/// Lines of the ground across the longer side of the bodies.
-const GROUND_LINES: usize = 10;
-
-/// How a film of bodies looks.
-#[derive(Clone, Debug)]
-pub struct FilmOptions {
-    /// The view; `None` chooses a three-quarter view, z up.
-    pub view: Option<View>,
-    /// Height of a ground plane \[m\]; drawn as a faint grid.
-    pub ground: Option<f64>,
-    /// Name and colour of each label in the legend; others are called `label N`.
-    pub materials: Vec<(Label, String, Option<Rgb>)>,
-    /// Width of the strip in pixels.
-    pub strip_width: usize,
-    /// Width of the animation in pixels.
-    pub animation_width: usize,
-    /// The animation shows at most so many frames.
-    pub most_frames: usize,
-    /// How many times slower than in truth the animation plays.
-    pub slowdown: f64,
-    /// Small lines under the pictures.
-    pub footer: Vec<String>,
-}
-
-impl Default for FilmOptions {
-    fn default() -> Self {
-        Self {
-            view: None,
-            ground: None,
-            materials: Vec::new(),
-            strip_width: 1800,
-            animation_width: 900,
-            most_frames: 90,
-            slowdown: 1.0,
-            footer: Vec::new(),
-        }
-    }
-}
 
 /// A film of one or more runs of a voxel body.
 ///
@@ -82,9 +36,7 @@ impl Default for FilmOptions {
 /// ```
 #[derive(Debug)]
 pub struct Film {
-    title: String,
-    options: FilmOptions,
-    reel: Reel<Shape>,
+    footage: Footage,
     /// The body that each run had last, and its surface.
     last: Vec<Option<(Solid, Arc<Skin>)>>,
 }
@@ -100,21 +52,15 @@ struct Solid {
 #[derive(Debug)]
 struct Skin {
     nodes: Vec<Node>,
-    quads: Vec<[u32; 4]>,
-    labels: Vec<Label>,
-}
-
-#[derive(Debug)]
-struct Shape {
-    skin: Arc<Skin>,
-    positions: Vec<[f32; 3]>,
+    quads: Arc<Vec<[u32; 4]>>,
+    labels: Arc<Vec<Label>>,
 }
 
 impl Film {
     /// A film without frames; `runs` are the labels of what stands side by side.
     pub fn new(title: &str, runs: &[&str], options: FilmOptions) -> Self {
         let last = runs.iter().map(|_| None).collect();
-        Self { title: title.into(), options, reel: Reel::new(runs), last }
+        Self { footage: Footage::new(title, runs, options, "label"), last }
     }
 
     /// Adds what a run looks like at a time \[s\]: the solid cells of the model, displaced (3 entries per lattice node \[m\]).
@@ -139,14 +85,13 @@ impl Film {
             [0, 1, 2].map(|r| (x[r] + displacement[3 * node.0 + r]) as f32)
         };
         let positions = skin.nodes.iter().map(place).collect();
-        self.reel.push(run, time, Shape { skin, positions });
+        let (quads, labels) = (Arc::clone(&skin.quads), Arc::clone(&skin.labels));
+        self.footage.push(run, time, Shape { quads, labels, positions, wires: None });
     }
 
     /// Sets the line under the frame of a run that was recorded last, such as `error 12.3 %`.
     pub fn set_note(&mut self, run: usize, text: impl Into<String>) {
-        if let Some(frame) = self.reel.last_mut(run) {
-            frame.note = text.into();
-        }
+        self.footage.set_note(run, text.into());
     }
 
     /// Writes the strip as PNG: a row per run, and at most `columns` times.
@@ -154,7 +99,7 @@ impl Film {
     /// # Errors
     /// No frames, positions that are not finite, a file that cannot be written.
     pub fn write_strip(&self, path: &Path, columns: usize) -> Result<PathBuf, Failure> {
-        save(self.strip(columns), path)
+        self.footage.write_strip(path, columns)
     }
 
     /// Writes the animation as animated PNG: the runs side by side, closest to true speed.
@@ -162,123 +107,7 @@ impl Film {
     /// # Errors
     /// As [`Film::write_strip`].
     pub fn write_animation(&self, path: &Path) -> Result<PathBuf, Failure> {
-        let failed = |error: PictureError| Failure::Failed(format!("{}: {error}", path.display()));
-        let times = self.reel.times(self.options.most_frames);
-        let frames = self.frames(&times).map_err(failed)?;
-        let delay = (self.options.slowdown * delay(&times)).clamp(0.02, 1.0);
-        let animation = Animation { frames: &frames, delay, hold: 1.0 };
-        write_atomically(path, |writer| animation.write_apng(writer)).map_err(failed)?;
-        Ok(path.into())
-    }
-
-    fn strip(&self, columns: usize) -> Result<Image, PictureError> {
-        let times = self.reel.times(columns);
-        let ground = self.ground();
-        let legend = self.labels();
-        let runs = 0..self.reel.runs.len();
-        let panel = |run: usize, time: f64| Some(self.panel(self.reel.at(run, time)?, &legend, &ground));
-        let strip = Strip {
-            title: self.title.clone(),
-            rows: self.reel.runs.clone(),
-            columns: time_labels(&times),
-            panels: runs.flat_map(|run| times.iter().map(move |t| panel(run, *t))).collect(),
-            footer: self.options.footer.clone(),
-            camera: Some(self.camera(&ground)?),
-            width: self.options.strip_width,
-            ..Strip::default()
-        };
-        strip.render()
-    }
-
-    fn frames(&self, times: &[f64]) -> Result<Vec<Image>, PictureError> {
-        let (ground, legend) = (self.ground(), self.labels());
-        let camera = self.camera(&ground)?;
-        let labels = time_labels(times);
-        let frame = |(time, label): (&f64, &String)| {
-            let panel = |run: usize| Some(self.panel(self.reel.at(run, *time)?, &legend, &ground));
-            let footer = [std::slice::from_ref(label), &self.options.footer].concat();
-            let strip = Strip {
-                title: self.title.clone(),
-                rows: vec![String::new()],
-                columns: self.reel.runs.clone(),
-                panels: (0..self.reel.runs.len()).map(panel).collect(),
-                footer,
-                camera: Some(camera.clone()),
-                width: self.options.animation_width,
-                ..Strip::default()
-            };
-            strip.render()
-        };
-        times.par_iter().zip(&labels).map(frame).collect()
-    }
-
-    fn camera(&self, ground: &Lines) -> Result<Camera, PictureError> {
-        let bodies = self.reel.iter().flat_map(|f| f.frame.positions.iter().map(|p| p.map(f64::from)));
-        Camera::around(self.options.view, bodies.chain(ground.iter().flatten().copied()))
-    }
-
-    /// All labels that are ever seen.
-    fn labels(&self) -> Vec<Label> {
-        let mut labels: Vec<Label> = self.reel.iter().flat_map(|f| f.frame.skin.labels.iter().copied()).collect();
-        labels.sort_unstable();
-        labels.dedup();
-        labels
-    }
-
-    fn panel(&self, frame: &Recorded<Shape>, labels: &[Label], ground: &Lines) -> Panel {
-        let Shape { skin, positions } = &frame.frame;
-        let positions = positions.iter().map(|p| p.map(f64::from)).collect();
-        let category = |label: &Label| labels.binary_search(label).unwrap_or_default() as u32;
-        let legend: Vec<Category> = labels.iter().map(|label| self.category(*label)).collect();
-        let colouring = match &legend[..] {
-            // A legend of one name tells nothing.
-            [only] => Colouring::Plain(only.colour.unwrap_or_else(|| category_colour(0))),
-            _ => Colouring::Category { of_quad: skin.labels.iter().map(category).collect(), legend },
-        };
-        Panel {
-            caption: note(Some(frame), self.reel.has_notes()),
-            surface: QuadSurface { positions, quads: skin.quads.clone() },
-            colouring,
-            ghost: ground.clone(),
-            ..Panel::default()
-        }
-    }
-
-    fn category(&self, label: Label) -> Category {
-        match self.options.materials.iter().find(|(known, _, _)| *known == label) {
-            Some((_, name, colour)) => Category { name: name.clone(), colour: *colour },
-            None => Category::named(format!("label {}", label.0)),
-        }
-    }
-
-    /// A grid on the ground below all bodies, somewhat larger than they are.
-    fn ground(&self) -> Lines {
-        let Some(z) = self.options.ground else { return Lines::new() };
-        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-        for p in self.reel.iter().flat_map(|f| &f.frame.positions) {
-            for a in 0..2 {
-                (low[a], high[a]) = (low[a].min(p[a].into()), high[a].max(p[a].into()));
-            }
-        }
-        let side = (0..2).map(|a| high[a] - low[a]).fold(0.0, f64::max) / GROUND_LINES as f64;
-        if !(side > 0.0 && side.is_finite()) {
-            return Lines::new();
-        }
-        let first = low.map(|x| (x / side).floor());
-        let last = high.map(|x| (x / side).ceil());
-        let mut lines = Lines::new();
-        for a in 0..2 {
-            let other = 1 - a;
-            for i in 0..=(last[a] - first[a]) as usize {
-                let end = |far: f64| {
-                    let mut p = [0.0, 0.0, z];
-                    (p[a], p[other]) = ((first[a] + i as f64) * side, far * side);
-                    p
-                };
-                lines.push([end(first[other]), end(last[other])]);
-            }
-        }
-        lines
+        self.footage.write_animation(path)
     }
 }
 
@@ -287,6 +116,6 @@ impl Skin {
         let surface = BodySurface::new(model.grid(), &model.grid().void);
         let quads = surface.faces.iter().map(|face| face.corners.map(|node| surface.vertex(node) as u32)).collect();
         let labels = surface.faces.iter().map(|face| model.grid().labels[face.cell.0]).collect();
-        Self { quads, labels, nodes: surface.nodes }
+        Self { quads: Arc::new(quads), labels: Arc::new(labels), nodes: surface.nodes }
     }
 }

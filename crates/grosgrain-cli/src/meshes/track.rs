@@ -58,6 +58,11 @@ impl SimplexTrack {
         &self.body
     }
 
+    /// Masses \[kg\] of the nodes.
+    pub fn mass(&self) -> &[f64] {
+        self.body.mass()
+    }
+
     /// Starts from this motion at time zero instead of rest.
     ///
     /// # Errors

@@ -1,4 +1,4 @@
-//! The `[body]` table: where the voxels come from and what they mean.
+//! The `[body]` table: where the voxels, or the mesh, come from and what they mean.
 
 use std::path::PathBuf;
 
@@ -7,10 +7,11 @@ use grosgrain::update::LooseParts;
 
 use super::document::{Item, Reading};
 use super::labels::{Labelling, read_labelling};
+use super::mesh_body::{MeshSource, read_mesh_body, refuse_mesh_keys};
 use super::pattern::{Filling, Grid, read_cells, read_grid, read_pattern};
 use super::section::Section;
 
-/// Where the voxels come from.
+/// Where the voxels or the cells of a mesh come from.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Source {
     /// A volume file; its values become labels.
@@ -19,6 +20,8 @@ pub enum Source {
     Moduli(PathBuf),
     /// A grid that a pattern or a file fills.
     Grid(Grid, Filling),
+    /// A mesh of simplices; the tags of its cells are the labels.
+    Mesh(MeshSource),
 }
 
 /// Where Young's modulus comes from for materials that give none.
@@ -68,12 +71,17 @@ pub struct Body {
 }
 
 const KEYS: &[&str] = &[
-    "volume", "grid", "pattern", "mesh", "spacing", "resample", "labels", "void", "young", "modulus", "keep", "loose",
+    "volume", "grid", "pattern", "mesh", "scale", "spacing", "resample", "labels", "void", "young", "modulus", "keep",
+    "loose",
 ];
 
 /// Reads `[body]`; parts that edits cut loose fall in a dynamic run, and are dropped in a static one, unless the scene says it.
 pub fn read_body(item: &Item, dynamic: bool) -> Reading<Body> {
     let section = item.section(KEYS)?;
+    if section.has("mesh") {
+        return read_mesh_body(&section, KEYS);
+    }
+    let misplaced = refuse_mesh_keys(&section, &["scale"]);
     let source = read_source(&section);
     let spacing = section
         .optional("spacing", |spacing| spacing.array("three positive numbers in metres per voxel", Item::positive));
@@ -86,16 +94,13 @@ pub fn read_body(item: &Item, dynamic: bool) -> Reading<Body> {
     let loose = section.optional("loose", |l| l.choice(&[("drop", LooseParts::Drop), ("keep", LooseParts::Keep)]));
     let (source, labelling, modulus) = (source?, labelling?, modulus?);
     refuse_rules_without_values(&section, &source)?;
+    misplaced?;
     let (keep, loose) =
         (keep?.unwrap_or(Keep::All), loose?.unwrap_or(if dynamic { LooseParts::Keep } else { LooseParts::Drop }));
     Ok(Body { source, spacing: spacing?, resample: resample?, labelling, modulus, keep, loose })
 }
 
 fn read_source(section: &Section) -> Reading<Source> {
-    if let Some(mesh) = section.get("mesh") {
-        let sentence = "names a mesh, which this version cannot simulate; expected volume, or grid with pattern";
-        return Err(mesh.note(format!("{} {sentence}", mesh.key())));
-    }
     section.exclusive(&["volume", "grid"], "a body comes from one of them")?;
     section.exclusive(&["volume", "pattern"], "a pattern fills a grid; a volume brings its own voxels")?;
     section.exclusive(&["grid", "spacing"], "the grid's size gives the spacing")?;
@@ -110,7 +115,7 @@ fn read_source(section: &Section) -> Reading<Source> {
     }
     match section.get("young") {
         Some(young) => young.existing_path().map(Source::Moduli),
-        None => Err(section.note("body holds nothing; expected volume, grid with pattern, or young".into())),
+        None => Err(section.note("body holds nothing; expected volume, grid with pattern, young, or mesh".into())),
     }
 }
 

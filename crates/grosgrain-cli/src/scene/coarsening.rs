@@ -5,6 +5,7 @@ use grosgrain::coarsening::{BaseKind, Objective};
 use grosgrain::training::TrainingKind;
 
 use super::document::{Item, Noted, Reading};
+use super::mesh_body::{MESH_KEYS, MeshCoarsening, read_mesh_coarsening, refuse_mesh_keys};
 
 /// Where training data come from, as the scene says it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,7 +16,7 @@ pub enum Training {
     Auto,
 }
 
-/// The `[coarsening]` table.
+/// The `[coarsening]` table of a voxel body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coarsening {
     /// Fine cells along an edge of a coarse cell.
@@ -36,8 +37,36 @@ pub struct Coarsening {
     pub update: bool,
 }
 
-const KEYS: &[&str] =
-    &["degree", "training", "data_tolerance", "fields", "base", "objective", "split", "integration", "update"];
+const KEYS: &[&str] = &[
+    "degree",
+    "training",
+    "data_tolerance",
+    "fields",
+    "base",
+    "objective",
+    "split",
+    "integration",
+    "update",
+    "mesh",
+    "cells",
+    "downsampling",
+    "held",
+];
+
+impl Default for Coarsening {
+    fn default() -> Self {
+        Self {
+            degree: 1,
+            training: Training::Kind(TrainingKind::OneRing),
+            data_tolerance: None,
+            base: BaseKind::Harmonic,
+            objective: Objective::ClosedForm,
+            split: true,
+            integration: None,
+            update: true,
+        }
+    }
+}
 
 impl Coarsening {
     /// The integration that the scene gives, or the one closest to the fine model.
@@ -46,9 +75,15 @@ impl Coarsening {
     }
 }
 
-/// Reads `[coarsening]`.
+/// Reads `[coarsening]` of a mesh.
+pub fn read_coarsening_of_mesh(item: &Item) -> Reading<MeshCoarsening> {
+    read_mesh_coarsening(item, KEYS)
+}
+
+/// Reads `[coarsening]` of a voxel body.
 pub fn read_coarsening(item: &Item) -> Reading<Coarsening> {
     let section = item.section(KEYS)?;
+    let misplaced = refuse_mesh_keys(&section, MESH_KEYS);
     let degree = section.required("degree", "an integer of at least 1", Item::count);
     let training = section.optional("training", read_training);
     let data_tolerance = section.optional("data_tolerance", Item::positive);
@@ -67,7 +102,9 @@ pub fn read_coarsening(item: &Item) -> Reading<Coarsening> {
     let integration = section.optional("integration", |i| i.choice(&integrations));
     let update = section.optional("update", Item::boolean);
     fields?;
-    let (training, data_tolerance) = (training?.unwrap_or(Training::Kind(TrainingKind::OneRing)), data_tolerance?);
+    misplaced?;
+    let default = Coarsening::default();
+    let (training, data_tolerance) = (training?.unwrap_or(default.training), data_tolerance?);
     if data_tolerance.is_some() && training != Training::Kind(TrainingKind::Substructured) {
         let sentence = "coarsening.data_tolerance: only substructured training has a tolerance; expected training = \"substructured\", or no data_tolerance";
         return Err(section.note_at(&["data_tolerance"], sentence.into()));
@@ -76,11 +113,11 @@ pub fn read_coarsening(item: &Item) -> Reading<Coarsening> {
         degree: degree?,
         training,
         data_tolerance,
-        base: base?.unwrap_or(BaseKind::Harmonic),
-        objective: objective?.unwrap_or(Objective::ClosedForm),
-        split: split?.unwrap_or(true),
+        base: base?.unwrap_or(default.base),
+        objective: objective?.unwrap_or(default.objective),
+        split: split?.unwrap_or(default.split),
         integration: integration?,
-        update: update?.unwrap_or(true),
+        update: update?.unwrap_or(default.update),
     })
 }
 

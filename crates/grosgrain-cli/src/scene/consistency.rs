@@ -13,7 +13,7 @@ use super::labels::Labelling;
 use super::materials::Constants;
 use super::pattern::Filling;
 use super::section::{Section, enumeration};
-use super::{Scene, SceneMaterial, run_kind};
+use super::{Scene, SceneMaterial, mesh_body, run_kind};
 
 /// Notes what does not fit together.
 pub fn check(root: &Section, scene: &Scene) -> Reading<()> {
@@ -23,6 +23,7 @@ pub fn check(root: &Section, scene: &Scene) -> Reading<()> {
         refuse_idle_keys(root, scene),
         edits::check(root, scene),
         run_kind::check(root, scene),
+        mesh_body::check(root, scene),
     ];
     checks.into_iter().collect()
 }

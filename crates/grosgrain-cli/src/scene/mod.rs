@@ -12,6 +12,7 @@ mod edits;
 mod labels;
 mod material_file;
 mod materials;
+mod mesh_body;
 mod motion;
 mod output;
 mod pattern;
@@ -35,6 +36,7 @@ pub use edits::{Repeat, SceneChange, SceneEdit, When};
 pub use labels::Labelling;
 pub use material_file::read_material_file;
 pub use materials::{Constants, SceneMaterial};
+pub use mesh_body::{CoarseMeshSource, MeshCoarsening, MeshSource};
 pub use motion::{SceneMotion, SceneTwist};
 pub use output::Output;
 pub use pattern::{Filling, Grid};
@@ -58,8 +60,10 @@ pub struct Scene {
     pub body: Body,
     /// The materials, by name.
     pub materials: Vec<SceneMaterial>,
-    /// How the body is coarsened.
+    /// How a voxel body is coarsened; the default where the body is a mesh.
     pub coarsening: Coarsening,
+    /// How a body is coarsened that is a mesh.
+    pub mesh_coarsening: MeshCoarsening,
     /// What holds the body.
     pub fixes: Vec<Fix>,
     /// What loads it.
@@ -121,11 +125,11 @@ fn read_document<T>(
 fn read_root<'s>(document: &'s Document<'s>, table: &'s toml::Spanned<DeTable<'s>>, file: &Path) -> Reading<Scene> {
     let root = Section::new(document, String::new(), 0..0, table.get_ref()).limited_to(KEYS);
     let title = root.optional("title", |title| title.text());
-    let body = root.required("body", "the table [body] with volume, or grid and pattern", |body| {
+    let body = root.required("body", "the table [body] with volume, grid and pattern, or mesh", |body| {
         body::read_body(body, time::is_dynamic(&root))
     });
     let materials = read_materials(&root);
-    let coarsening = root.required("coarsening", "the table [coarsening] with degree", coarsening::read_coarsening);
+    let coarsenings = read_coarsenings(&root);
     let time = root.optional("time", time::read_time);
     let fixes = root.optional("fix", conditions::read_fixes);
     let loads = root.optional("load", conditions::read_loads);
@@ -134,12 +138,14 @@ fn read_root<'s>(document: &'s Document<'s>, table: &'s toml::Spanned<DeTable<'s
     let contact = root.optional("contact", surroundings::read_contact);
     let output = root.optional("output", output::read_output);
     let title = title?.map_or_else(|| stem(file), String::from);
+    let (coarsening, mesh_coarsening) = coarsenings?;
     let mut scene = Scene {
         file: file.to_path_buf(),
         title,
         body: body?,
         materials: materials?,
-        coarsening: coarsening?,
+        coarsening,
+        mesh_coarsening,
         fixes: fixes?.unwrap_or_default(),
         loads: loads?.unwrap_or_default(),
         edits: edits?.unwrap_or_default(),
@@ -153,6 +159,21 @@ fn read_root<'s>(document: &'s Document<'s>, table: &'s toml::Spanned<DeTable<'s
     consistency::check(&root, &scene)?;
     scene.warnings = consistency::warnings(&scene);
     Ok(scene)
+}
+
+/// `[coarsening]` of voxels, or of a mesh, which may do without.
+fn read_coarsenings(root: &Section) -> Reading<(Coarsening, MeshCoarsening)> {
+    match mesh_body::is_mesh(root) {
+        true => {
+            let mesh_coarsening = root.optional("coarsening", coarsening::read_coarsening_of_mesh)?;
+            Ok((Coarsening::default(), mesh_coarsening.unwrap_or_default()))
+        }
+        false => {
+            let expected = "the table [coarsening] with degree";
+            let coarsening = root.required("coarsening", expected, coarsening::read_coarsening)?;
+            Ok((coarsening, MeshCoarsening::default()))
+        }
+    }
 }
 
 /// Materials may be left out only where the body's modulus law stands in for them.

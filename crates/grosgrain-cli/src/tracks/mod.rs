@@ -5,5 +5,5 @@ mod run;
 mod track;
 
 pub use acting::ground;
-pub use run::{Outcome, TrackStep, run};
+pub use run::{Momenta, Outcome, TrackStep, errors_against, failed_step, run};
 pub use track::{Books, Kind, Track, Update};

@@ -1,5 +1,7 @@
 //! All steps of a run, for all of its tracks.
 
+use std::path::Path;
+
 use grosgrain::dynamics::{LoadPath, relative_error};
 use grosgrain::update::Editor;
 
@@ -11,8 +13,8 @@ use crate::problem::Problem;
 use crate::progress::Progress;
 use crate::report::{Edit, Frame, Motion};
 
-/// A step that has been made.
-pub struct TrackStep<'a> {
+/// A step that has been made by models of voxels or of meshes.
+pub struct TrackStep<'a, T = Track> {
     /// Its number; 0 is the start.
     pub number: usize,
     /// Its time \[s\].
@@ -20,7 +22,7 @@ pub struct TrackStep<'a> {
     /// Whether it is the last one.
     pub last: bool,
     /// The tracks.
-    pub tracks: &'a [Track],
+    pub tracks: &'a [T],
     /// Displacement \[m\] of the fine nodes of every track.
     pub displacements: &'a [Vec<f64>],
     /// RMS error of every track against the fine one, in percent; `None` for itself and where it does not run.
@@ -40,6 +42,53 @@ pub struct Outcome {
     pub edits: Vec<Edit>,
     /// Why the run ended before its last step.
     pub stopped: Option<Failure>,
+}
+
+/// Momentum \[N s\] and angular momentum about the origin \[N m s\].
+pub type Momenta = ([f64; 3], [f64; 3]);
+
+impl Outcome {
+    /// Adds a step with the errors of all tracks; books of the first one, and its momenta where the run has inertia.
+    pub fn add(
+        &mut self,
+        (number, time): (usize, f64),
+        errors: Vec<Option<f64>>,
+        first: Option<(&Books, Option<Momenta>)>,
+    ) {
+        if let Some((books, momenta)) = first {
+            let &Books { kinetic, work, edited, elastic, .. } = books;
+            let motion = momenta.map(|(momentum, angular_momentum)| Motion {
+                kinetic,
+                work,
+                edited,
+                dissipated: books.dissipated(),
+                momentum,
+                angular_momentum,
+            });
+            self.frames.push(Frame { step: number, time, energy: elastic, error: errors[0], motion });
+        }
+        self.errors.push(errors);
+        self.times.push(time);
+    }
+}
+
+/// RMS errors in percent against the fine displacement, which is one of them; `None` for itself, where it is missing, and before anything has moved.
+pub fn errors_against(fine: Option<usize>, displacements: &[Vec<f64>]) -> Vec<Option<f64>> {
+    let error = |n: usize| {
+        let fine = fine.filter(|fine| *fine != n)?;
+        let error = 100.0 * relative_error(&displacements[n], &displacements[fine]);
+        error.is_finite().then_some(error)
+    };
+    (0..displacements.len()).map(error).collect()
+}
+
+/// A failed step of one of several models, with the file and the step.
+pub fn failed_step(file: &Path, number: usize, name: Option<&str>, failure: Failure) -> Failure {
+    let name = name.map_or_else(String::new, |name| format!("{name}: "));
+    match failure {
+        Failure::Failed(sentence) => Failure::Failed(format!("{}: step {number}: {name}{sentence}", file.display())),
+        other => other,
+    }
 }
 
 /// Why a step was not made.
@@ -128,13 +177,8 @@ fn make(
 
 /// A failure with the file, the step, and the model where there are several.
 fn told(problem: &Problem, (tracks, n): (&[Track], usize), number: usize, failure: Failure) -> Failure {
-    let name = if tracks.len() > 1 { format!("{}: ", tracks[n].kind) } else { String::new() };
-    match failure {
-        Failure::Failed(sentence) => {
-            Failure::Failed(format!("{}: step {number}: {name}{sentence}", problem.scene.file.display()))
-        }
-        other => other,
-    }
+    let name = (tracks.len() > 1).then(|| tracks[n].kind.to_string());
+    failed_step(&problem.scene.file, number, name.as_deref(), failure)
 }
 
 /// The way from one equilibrium to the next.
@@ -202,27 +246,11 @@ fn show(
     let displacements: Vec<Vec<f64>> =
         tracks.iter().map(|track| track.displacement(problem)).collect::<Result<_, _>>()?;
     let fine = tracks.iter().position(|track| track.coarse().is_none());
-    let error = |n: usize| {
-        let fine = fine.filter(|fine| *fine != n)?;
-        let error = 100.0 * relative_error(&displacements[n], &displacements[fine]);
-        error.is_finite().then_some(error)
-    };
-    let errors: Vec<Option<f64>> = (0..tracks.len()).map(error).collect();
+    let errors = errors_against(fine, &displacements);
     let time = problem.schedule.time(number);
     on_step(problem, TrackStep { number, time, last, tracks, displacements: &displacements, errors: &errors })?;
     let Some(outcome) = outcome else { return Ok(()) };
-    if let Some(first) = tracks.first() {
-        let frame = Frame { step: number, time, energy: first.books.elastic, error: errors[0], motion: None };
-        let motion = problem.scene.is_dynamic().then(|| motion(problem, first));
-        outcome.frames.push(Frame { motion, ..frame });
-    }
-    outcome.errors.push(errors);
-    outcome.times.push(time);
+    let momenta = |track: &Track| problem.scene.is_dynamic().then(|| track.momenta(problem));
+    outcome.add((number, time), errors, tracks.first().map(|first| (&first.books, momenta(first))));
     Ok(())
-}
-
-fn motion(problem: &Problem, track: &Track) -> Motion {
-    let (momentum, angular_momentum) = track.momenta(problem);
-    let Books { kinetic, work, edited, .. } = track.books;
-    Motion { kinetic, work, edited, dissipated: track.books.dissipated(), momentum, angular_momentum }
 }

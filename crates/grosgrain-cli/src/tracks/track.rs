@@ -109,6 +109,11 @@ impl Books {
         if fine.most_elastic > 0.0 { self.most_elastic / fine.most_elastic } else { 1.0 }
     }
 
+    /// Seconds of a step or an equilibrium.
+    pub fn seconds_per_step(&self) -> f64 {
+        self.solving / self.steps.max(1) as f64
+    }
+
     /// Adds a step that took so many seconds.
     pub fn add_step(&mut self, seconds: f64, report: &StepReport) {
         self.add(seconds, report.substeps > 1, &report.energies);

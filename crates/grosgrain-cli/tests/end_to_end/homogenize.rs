@@ -34,6 +34,42 @@ fn a_bar_of_two_metals_becomes_files_for_three_programs() {
 }
 
 #[test]
+fn a_mesh_is_made_where_none_is_given_and_fits_are_softer_than_values_at_nodes() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("materials.toml"), BOTH).unwrap();
+    let fine = root().join("data/meshes/bimetal.msh").display().to_string();
+    let figures = |more: &[&str]| -> serde_json::Value {
+        let arguments = ["homogenize", &fine, "--cells", "40", "--materials", "materials.toml", "--json", "f.json"];
+        let run = grosgrain(folder.path(), &[&arguments[..], more].concat()).done();
+        assert!(run.stderr.contains("made a coarse mesh of"), "{}", run.stderr);
+        serde_json::from_str(&std::fs::read_to_string(folder.path().join("f.json")).unwrap()).unwrap()
+    };
+    let [nodes, fitted, held] = [
+        figures(&[]),
+        figures(&["--downsampling", "fitted"]),
+        // With both ends held nothing stretches the bar, and that strain takes the average.
+        figures(&["--held", "x=min", "--held", "x=10", "-o", "held.vtu"]),
+    ];
+    let cells = nodes["coarse"]["cells"].as_u64().unwrap();
+    assert!((25..=60).contains(&cells), "{cells}");
+    let of = |figures: &serde_json::Value| figures["worst_stiffening"].as_f64().unwrap();
+    // Cells are as high as the bar and hold both metals; their corners move with one of them each.
+    assert!(of(&nodes) > 2.0);
+    assert!(of(&fitted) < of(&nodes), "{} {}", of(&fitted), of(&nodes));
+    assert_eq!(held["averaged_cells"].as_array().unwrap().len() as u64, cells);
+    assert_eq!(names(folder.path()), ["bimetal-tensors.vtu", "f.json", "held.vtu", "materials.toml"]);
+    let refused = |more: &[&str], part: &str| {
+        let arguments = ["homogenize", &fine, "--materials", "materials.toml"];
+        let run = grosgrain(folder.path(), &[&arguments[..], more].concat());
+        assert_eq!(run.code, Some(2), "{}", run.stderr);
+        assert!(run.stderr.contains(part), "{}", run.stderr);
+    };
+    refused(&[], "--onto");
+    refused(&["--cells", "40", "--held", "w=min"], "expected x, y or z");
+    refused(&["--cells", "40", "--held", "x=11"], "holds no node");
+}
+
+#[test]
 fn what_cannot_be_homogenized_is_refused_and_leaves_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let refused = |materials: &str, more: &[&str], code: i32, parts: &[&str]| {

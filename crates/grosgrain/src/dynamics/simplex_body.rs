@@ -1,8 +1,9 @@
 //! A mesh of simplices in motion.
 
 use super::element_products::add_products;
-use super::simplex_body_error::{check_conditions, check_length, check_point};
-use super::simplex_points::{CellPotential, SurfacePoint, homes};
+use super::point_groups::PointGroup;
+use super::simplex_body_error::{check_conditions, check_length, check_point, check_spring};
+use super::simplex_points::{CellPotential, EmbeddedSpring, SurfacePoint, homes};
 use super::{
     Body, Conditions, Energies, Inversion, LinearStep, Moment, QuadraticWeights, SimplexBodyError, State, TangentError,
 };
@@ -28,7 +29,9 @@ pub struct SimplexBody {
     mass: Vec<f64>,
     /// In how many cells each node is a corner.
     valence: Vec<u32>,
+    /// Springs, then points on the ground by cell.
     points: Vec<CellPotential>,
+    groups: Vec<PointGroup>,
     potentials: Vec<PointPotential>,
     /// The potentials at the end of the last step.
     settled: Vec<PointPotential>,
@@ -48,12 +51,7 @@ pub struct SimplexBody {
 /// Lumped masses \[kg\] of the nodes: a (d + 1)-th of the mass of every cell at each of its corners.
 pub fn simplex_mass(model: &SimplexModel) -> Vec<f64> {
     let mesh = model.mesh();
-    let mut mass = vec![0.0; mesh.nodes().len()];
-    for cell in 0..mesh.cell_count() {
-        let share = model.density(cell) * mesh.measure(cell) / mesh.dimension().corners() as f64;
-        mesh.cell(cell).iter().for_each(|node| mass[*node as usize] += share);
-    }
-    mass
+    mesh.lumped(|cell| model.density(cell) * mesh.measure(cell))
 }
 
 impl SimplexBody {
@@ -77,6 +75,7 @@ impl SimplexBody {
             mass: simplex_mass(model),
             valence,
             points: Vec::new(),
+            groups: Vec::new(),
             potentials: Vec::new(),
             settled: Vec::new(),
             tangents: vec![[0.0; 144]; mesh.cell_count()],
@@ -127,7 +126,26 @@ impl SimplexBody {
         Ok(self)
     }
 
-    /// What acts on the body.
+    /// The same with more springs, tied to points between nodes: those of the nodes of a finer mesh that moves with this one.
+    ///
+    /// # Errors
+    /// Springs of cells that are not there, weights that do not sum to 1, stiffnesses that are negative or not finite.
+    pub fn with_springs(mut self, springs: &[EmbeddedSpring]) -> Result<Self, SimplexBodyError> {
+        for (number, spring) in springs.iter().enumerate() {
+            check_spring((self.dimension, self.tangents.len()), number, spring)?;
+            self.points.push(CellPotential {
+                cell: spring.cell,
+                corners: self.elasticity.corners()[spring.cell as usize],
+                weights: spring.weights,
+                potential: PointPotential::Spring { stiffness: spring.stiffness, target: spring.target },
+                schedule: spring.schedule,
+            });
+        }
+        self.reset_points();
+        Ok(self)
+    }
+
+    /// What acts on the body, besides springs between nodes.
     pub fn conditions(&self) -> &Conditions {
         &self.conditions
     }
@@ -173,6 +191,8 @@ impl SimplexBody {
     }
 
     fn reset_points(&mut self) {
+        self.points.sort_by_key(PointGroup::key);
+        self.groups = PointGroup::of(&self.points);
         self.potentials = self.points.iter().map(|point| point.schedule.acting(point.potential, 0.0)).collect();
         self.settled.clone_from(&self.potentials);
     }
@@ -205,7 +225,7 @@ impl SimplexBody {
             }
         }
         let mut of_points = 0.0;
-        for (point, potential) in self.points.iter().zip(&self.potentials) {
+        for (point, potential) in self.acting_points(displacement) {
             let response = potential.evaluate(point.position(&self.rest, displacement));
             of_points += response.energy;
             if let Some(gradient) = gradient.as_deref_mut() {
@@ -226,23 +246,38 @@ impl SimplexBody {
                 }
             }
         }
-        for (point, potential) in self.points.iter().zip(&self.potentials) {
-            let response = potential.evaluate(point.position(&self.rest, displacement));
+        let Self { groups, points, potentials, rest, tangents, .. } = self;
+        let acting = groups.iter().filter(|group| group.may_act(rest, displacement));
+        for n in acting.flat_map(|group| group.points.clone()) {
+            let (point, response) = (&points[n], potentials[n].evaluate(points[n].position(rest, displacement)));
             if response.hessian != [[0.0; 3]; 3] {
-                point.add_hessian(&response.hessian, &mut self.tangents[point.cell as usize]);
+                point.add_hessian(&response.hessian, &mut tangents[point.cell as usize]);
             }
         }
     }
 
-    fn each_position(&mut self, displacement: &[f64], mut visit: impl FnMut(&mut PointPotential, [f64; 3])) {
-        for (point, potential) in self.points.iter().zip(&mut self.potentials) {
-            visit(potential, point.position(&self.rest, displacement));
+    /// Points that may have energy, with their potentials.
+    fn acting_points(&self, displacement: &[f64]) -> impl Iterator<Item = (&CellPotential, &PointPotential)> {
+        let acting = self.groups.iter().filter(move |group| group.may_act(&self.rest, displacement));
+        acting.flat_map(|group| group.points.clone()).map(|n| (&self.points[n], &self.potentials[n]))
+    }
+
+    /// Shows the potentials that may have energy, as they are and as they were at the end of the last step, and where they are.
+    fn each_position(&mut self, displacement: &[f64], mut visit: impl FnMut([&mut PointPotential; 2], [f64; 3])) {
+        let Self { groups, points, potentials, settled, rest, .. } = self;
+        for group in groups.iter_mut().filter(|group| group.may_act(rest, displacement)) {
+            for n in group.points.clone() {
+                visit([&mut potentials[n], &mut settled[n]], points[n].position(rest, displacement));
+            }
+            group.note(potentials);
         }
     }
 
     fn set_loads(&mut self, moment: Moment) {
         let mut shares = Vec::new();
         self.conditions.shares_at(moment.loads, moment.share, &mut shares);
+        let springs = self.points.iter().take_while(|point| PointGroup::key(point).is_none());
+        shares.extend(springs.map(|spring| spring.schedule.share(moment.loads)));
         if shares == self.shares {
             return;
         }
@@ -302,7 +337,7 @@ impl Body for SimplexBody {
         let energy = |(point, potential): (&CellPotential, &PointPotential)| {
             potential.evaluate(point.position(&self.rest, displacement)).energy
         };
-        Ok(self.points.iter().zip(&self.potentials).map(energy).sum())
+        Ok(self.acting_points(displacement).map(energy).sum())
     }
 
     fn load_energy(&self, displacement: &[f64]) -> Result<f64, Inversion> {
@@ -357,17 +392,21 @@ impl Body for SimplexBody {
 
     fn renew_friction(&mut self, displacement: &[f64]) -> f64 {
         let mut largest = 0.0f64;
-        self.each_position(displacement, |potential, at| largest = largest.max(potential.renew_limit(at)));
+        self.each_position(displacement, |[potential, _], at| largest = largest.max(potential.renew_limit(at)));
         largest
     }
 
     fn settle_friction(&mut self, displacement: &[f64]) {
-        self.each_position(displacement, |potential, at| potential.settle(at));
-        self.settled.clone_from(&self.potentials);
+        // Others have settled with nothing to hold.
+        self.each_position(displacement, |[potential, settled], at| {
+            potential.settle(at);
+            *settled = *potential;
+        });
     }
 
     fn restore_friction(&mut self) {
         self.potentials.clone_from(&self.settled);
+        self.groups.iter_mut().for_each(|group| group.note(&self.potentials));
         // Springs are set anew with the loads.
         self.shares.clear();
         self.shares.push(f64::NAN);

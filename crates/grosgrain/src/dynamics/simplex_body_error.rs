@@ -1,6 +1,6 @@
 //! Why a body of simplices cannot be made.
 
-use super::{Conditions, SurfacePoint};
+use super::{Conditions, EmbeddedSpring, SurfacePoint};
 use crate::linalg::GraphOrderError;
 use crate::simplex::{BoundaryError, Dimension, SimplexElasticityError, SimplexMesh};
 use crate::solver::SolverError;
@@ -41,7 +41,7 @@ pub enum SimplexBodyError {
     },
     /// A surface point moves with nothing.
     #[error(
-        "surface point {point} moves with cell {cell} of {cells} with weights that sum to {sum} and an area of {area}; weights must sum to 1 over the corners and areas be positive"
+        "surface point {point} moves with cell {cell} of {cells} with weights that sum to {sum} and an area of {area}; weights must sum to 1 over the corners and be zero beyond, areas be positive"
     )]
     SurfacePoint {
         /// The point, from 0.
@@ -54,6 +54,24 @@ pub enum SimplexBodyError {
         sum: f64,
         /// Its area.
         area: f64,
+    },
+    /// An embedded spring moves with nothing, or has no stiffness.
+    #[error(
+        "spring {spring} moves with cell {cell} of {cells} with weights that sum to {sum}, a stiffness of {stiffness} N/m and the target {target:?}; weights must sum to 1 over the corners and be zero beyond, stiffnesses be finite and not negative, targets be finite"
+    )]
+    EmbeddedSpring {
+        /// The spring, from 0.
+        spring: usize,
+        /// Its cell.
+        cell: u32,
+        /// Number of cells.
+        cells: usize,
+        /// Sum of its weights.
+        sum: f64,
+        /// Its stiffness.
+        stiffness: f64,
+        /// Its target \[m\].
+        target: [f64; 3],
     },
     /// A ground under what lies in a plane.
     #[error("a horizontal ground cannot hold {dimension}, which keep z = 0; use tetrahedra")]
@@ -98,6 +116,12 @@ pub(super) fn check_conditions(mesh: &SimplexMesh, conditions: &Conditions) -> R
     }
 }
 
+/// Not a number where a corner has weight that the dimension does not have.
+fn sum_of_weights(dimension: Dimension, weights: [f64; 4]) -> f64 {
+    let (of_corners, beyond) = weights.split_at(dimension.corners());
+    if beyond.iter().all(|weight| *weight == 0.0) { of_corners.iter().sum() } else { f64::NAN }
+}
+
 /// Refuses a surface point that moves with no cell.
 pub(super) fn check_point(
     (dimension, cells): (Dimension, usize),
@@ -105,10 +129,24 @@ pub(super) fn check_point(
     surface: &SurfacePoint,
 ) -> Result<(), SimplexBodyError> {
     let SurfacePoint { cell, weights, area } = *surface;
-    let sum: f64 = weights[..dimension.corners()].iter().sum();
-    let is_known = (cell as usize) < cells;
-    match is_known && (sum - 1.0).abs() < 1e-6 && area > 0.0 && area.is_finite() {
+    let sum = sum_of_weights(dimension, weights);
+    match (cell as usize) < cells && (sum - 1.0).abs() < 1e-6 && area > 0.0 && area.is_finite() {
         true => Ok(()),
         false => Err(SimplexBodyError::SurfacePoint { point, cell, cells, sum, area }),
+    }
+}
+
+/// Refuses an embedded spring that moves with no cell or has no stiffness.
+pub(super) fn check_spring(
+    (dimension, cells): (Dimension, usize),
+    spring: usize,
+    embedded: &EmbeddedSpring,
+) -> Result<(), SimplexBodyError> {
+    let EmbeddedSpring { cell, weights, stiffness, target, .. } = *embedded;
+    let sum = sum_of_weights(dimension, weights);
+    let is_spring = stiffness >= 0.0 && stiffness.is_finite() && target.iter().all(|x| x.is_finite());
+    match (cell as usize) < cells && (sum - 1.0).abs() < 1e-6 && is_spring {
+        true => Ok(()),
+        false => Err(SimplexBodyError::EmbeddedSpring { spring, cell, cells, sum, stiffness, target }),
     }
 }

@@ -48,6 +48,21 @@ impl SurfacePoint {
     }
 }
 
+/// A spring between a point that moves with a cell, at Σ_n w_n x_n of its corners, and a fixed place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EmbeddedSpring {
+    /// The cell.
+    pub cell: u32,
+    /// w, one weight per corner, sum 1; those beyond d + 1 are zero.
+    pub weights: [f64; 4],
+    /// Stiffness \[N/m\].
+    pub stiffness: f64,
+    /// The place \[m\].
+    pub target: [f64; 3],
+    /// When it acts; its stiffness grows along the ramp.
+    pub schedule: Schedule,
+}
+
 /// For each node the last of its cells, with weight one at the node; `None` where no cell uses it.
 pub(super) fn homes(mesh: &SimplexMesh) -> Vec<Option<SurfacePoint>> {
     let mut homes = vec![None; mesh.nodes().len()];

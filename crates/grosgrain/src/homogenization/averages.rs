@@ -85,11 +85,18 @@ fn isotropic(dimension: Dimension, young: f64, poisson: f64) -> MandelTensor {
     MandelTensor { dimension, matrix }
 }
 
+/// Mean density \[kg/m³\] of each coarse cell, what is void in it included.
+pub(super) fn mean_densities(model: &SimplexModel, coarse: &SimplexMesh, overlaps: &Overlaps) -> Vec<f64> {
+    let mass = |q: usize| -> f64 {
+        overlaps.of_coarse(q).iter().map(|(fine, shared)| shared * model.density(*fine as usize)).sum()
+    };
+    (0..coarse.cell_count()).map(|q| mass(q) / coarse.measure(q)).collect()
+}
+
 /// Lumped mass \[kg\] of every coarse node: each corner of a coarse cell takes an equal part of what the cell holds of every fine cell's mass. What of a fine
 /// cell lies in no coarse cell goes to the coarse cell that is closest to its centre, so that the total is the mass of the fine mesh.
 pub fn lumped_mass(model: &SimplexModel, coarse: &Locator<'_>, overlaps: &Overlaps) -> Vec<f64> {
     let (mesh, fine) = (coarse.mesh(), model.mesh());
-    let corners = mesh.dimension().corners();
     let mut left: Vec<f64> = (0..fine.cell_count()).map(|p| fine.measure(p)).collect();
     let mut of_cells = vec![0.0; mesh.cell_count()];
     for (q, of_cell) in of_cells.iter_mut().enumerate() {
@@ -100,17 +107,8 @@ pub fn lumped_mass(model: &SimplexModel, coarse: &Locator<'_>, overlaps: &Overla
     }
     for (p, left) in left.iter().enumerate() {
         // Rounding leaves some of every cell; it goes where its centre is.
-        let nearest = coarse.locate(centre(fine, p)).cells()[0].cell as usize;
+        let nearest = coarse.locate(fine.centre(p)).cells()[0].cell as usize;
         of_cells[nearest] += left * model.density(p);
     }
-    let mut mass = vec![0.0; mesh.nodes().len()];
-    for (q, of_cell) in of_cells.iter().enumerate() {
-        mesh.cell(q).iter().for_each(|node| mass[*node as usize] += of_cell / corners as f64);
-    }
-    mass
-}
-
-fn centre(mesh: &SimplexMesh, cell: usize) -> [f64; 3] {
-    let corners = mesh.dimension().corners();
-    std::array::from_fn(|r| (0..corners).map(|n| mesh.corner(cell, n)[r]).sum::<f64>() / corners as f64)
+    mesh.lumped(|q| of_cells[q])
 }

@@ -12,6 +12,8 @@ pub struct Downsampled {
     pub fields: HarmonicDisplacements,
     /// Coarse nodes outside the fine mesh, whose values are extrapolated from the closest fine cells.
     pub extrapolated: Vec<u32>,
+    /// How many times an error of fine values may grow by extrapolation at worst; 1 without.
+    pub amplification: f64,
 }
 
 /// Takes harmonic displacements of a fine mesh at the nodes of `coarse`: interpolated in the fine cell that holds the node, extrapolated by the barycentric coordinates of the
@@ -27,5 +29,10 @@ pub fn downsample(fine: &Locator<'_>, fields: &HarmonicDisplacements, coarse: &S
         sum
     };
     let extrapolated = (0..).zip(&places).filter(|(_, place)| place.outside).map(|(node, _)| node).collect();
-    Downsampled { fields: HarmonicDisplacements { fields: places.iter().map(value).collect() }, extrapolated }
+    let amplification = places.iter().fold(1.0f64, |worst, place| worst.max(place.amplification()));
+    Downsampled {
+        fields: HarmonicDisplacements { fields: places.iter().map(value).collect() },
+        extrapolated,
+        amplification,
+    }
 }

@@ -6,6 +6,11 @@ use super::{HarmonicDisplacements, SimplexModel};
 use crate::linalg::SmallSvd;
 use crate::simplex::{MandelTensor, Overlaps, SimplexMesh};
 
+/// What conditions are capped at, so that files hold numbers.
+const SINGULAR: f64 = 1e16;
+/// Strains that the volume average resists less than this share of the one that it resists most are not compared with it: rounding.
+const RESISTED: f64 = 1e-13;
+
 /// When a coarse mollifier counts as singular.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EffectiveOptions {
@@ -24,8 +29,11 @@ impl Default for EffectiveOptions {
 pub struct EffectiveTensors {
     /// C̄ per coarse cell \[Pa\].
     pub tensors: Vec<MandelTensor>,
-    /// Condition number of Ḡ per coarse cell.
+    /// Condition number of Ḡ per coarse cell, at most 1e16, which is a singular one to working accuracy.
     pub condition: Vec<f64>,
+    /// Largest energy of a unit strain over that of the volume average, max_ε (ε : C̄ ε) / (ε : ⟨C⟩ ε), per coarse cell. No arrangement of the material is stiffer than its
+    /// volume average: above 1, coarse nodes take displacements that the cell around them does not have. Strains that the volume average does not resist are left out.
+    pub stiffening: Vec<f64>,
     /// Coarse cells in which some strains took the volume average because Ḡ does not determine them.
     pub averaged: Vec<u32>,
 }
@@ -89,26 +97,35 @@ pub fn effective_tensors(
 ) -> Result<EffectiveTensors, EffectiveError> {
     let (model, fields) = fine;
     let (mesh, downsampled) = coarse;
-    let outside = || (0..mesh.cell_count()).filter(|q| overlaps.of_coarse(*q).is_empty());
-    if let Some(cell) = outside().next() {
-        return Err(EffectiveError::Outside { cell, count: outside().count() });
-    }
+    check_filled(overlaps)?;
     let energies: Vec<Matrix6> =
         (0..model.mesh().cell_count()).into_par_iter().map(|p| energy_products(model, fields, p)).collect();
     let cells = (0..mesh.cell_count()).into_par_iter().map(|q| {
         let products = mean(mesh, overlaps, q, |p| energies[p]);
-        let average = || mean(mesh, overlaps, q, |p| model.tensor(p).matrix);
+        let average = mean(mesh, overlaps, q, |p| model.tensor(p).matrix);
         let mollifier = downsampled.mollifier(mesh, q);
         let n = mesh.dimension().strains();
-        tensor_of(n, &mollifier, &products, average, options).ok_or(EffectiveError::NotFinite { cell: q })
+        let found = tensor_of(n, &mollifier, &products, &average, options);
+        let (matrix, condition, is_averaged) = found.ok_or(EffectiveError::NotFinite { cell: q })?;
+        Ok((matrix, condition, is_averaged, stiffening(n, &matrix, &average).unwrap_or(1.0)))
     });
-    let cells: Vec<(Matrix6, f64, bool)> = cells.collect::<Result<_, _>>()?;
+    let cells: Vec<(Matrix6, f64, bool, f64)> = cells.collect::<Result<_, _>>()?;
     let tensor = |matrix: Matrix6| MandelTensor { dimension: mesh.dimension(), matrix };
     Ok(EffectiveTensors {
         tensors: cells.iter().map(|cell| tensor(cell.0)).collect(),
         condition: cells.iter().map(|cell| cell.1).collect(),
+        stiffening: cells.iter().map(|cell| cell.3).collect(),
         averaged: (0..).zip(&cells).filter(|(_, cell)| cell.2).map(|(q, _)| q).collect(),
     })
+}
+
+/// Refuses coarse cells that hold nothing of the fine mesh.
+pub(super) fn check_filled(overlaps: &Overlaps) -> Result<(), EffectiveError> {
+    let outside = || (0..overlaps.coarse_count()).filter(|q| overlaps.of_coarse(*q).is_empty());
+    match outside().next() {
+        Some(cell) => Err(EffectiveError::Outside { cell, count: outside().count() }),
+        None => Ok(()),
+    }
 }
 
 /// Gᵀ C G of a fine cell.
@@ -138,7 +155,7 @@ fn tensor_of(
     n: usize,
     mollifier: &Matrix6,
     products: &Matrix6,
-    average: impl Fn() -> Matrix6,
+    average: &Matrix6,
     options: &EffectiveOptions,
 ) -> Option<(Matrix6, f64, bool)> {
     let svd = SmallSvd::new(n, mollifier)?;
@@ -152,11 +169,24 @@ fn tensor_of(
     let mut tensor = congruence(&inverse, products);
     let is_averaged = !(0..n).all(is_kept);
     if is_averaged {
-        let rest = congruence(&lost, &average());
+        let rest = congruence(&lost, average);
         tensor.as_flattened_mut().iter_mut().zip(rest.as_flattened()).for_each(|(t, r)| *t += r);
     }
     let is_finite = tensor.as_flattened().iter().all(|value| value.is_finite());
-    is_finite.then(|| (symmetric(tensor), svd.condition(n), is_averaged))
+    is_finite.then(|| (symmetric(tensor), svd.condition(n).min(SINGULAR), is_averaged))
+}
+
+/// The largest eigenvalue of ⟨C⟩^(−1/2) C̄ ⟨C⟩^(−1/2), on the range of ⟨C⟩.
+fn stiffening(n: usize, tensor: &Matrix6, average: &Matrix6) -> Option<f64> {
+    let svd = SmallSvd::new(n, average)?;
+    let mut root = [[0.0; 6]; 6];
+    for (i, j) in (0..n * n).map(|e| (e / n, e % n)) {
+        root[i][j] = (0..n)
+            .filter(|k| svd.s[*k] > RESISTED * svd.s[0])
+            .map(|k| svd.u[i][k] * svd.u[j][k] / svd.s[k].sqrt())
+            .sum();
+    }
+    Some(SmallSvd::new(n, &congruence(&root, tensor))?.s[0])
 }
 
 /// Mᵀ C M.
@@ -194,8 +224,39 @@ mod tests {
     fn the_energies_of_all_products_are_kept() {
         let (mollifier, products) = (matrix(1.3), positive(0.7));
         let (tensor, condition, is_averaged) =
-            tensor_of(6, &mollifier, &products, || unreachable!(), &EffectiveOptions::default()).unwrap();
+            tensor_of(6, &mollifier, &products, &positive(2.1), &EffectiveOptions::default()).unwrap();
         assert!(difference(&congruence(&mollifier, &tensor), &products) < 1e-11 && condition > 1.0 && !is_averaged);
+    }
+
+    #[test]
+    fn stiffening_is_the_largest_ratio_of_energies() {
+        let (tensor, average) = (positive(0.7), positive(2.1));
+        let most = stiffening(6, &tensor, &average).unwrap();
+        let energy = |m: &Matrix6, e: &[f64; 6]| (0..36).map(|n| e[n / 6] * m[n / 6][n % 6] * e[n % 6]).sum::<f64>();
+        let mut found = 0.0f64;
+        // Power iteration with the ratio itself: ε ← ⟨C⟩⁻¹ C̄ ε by steepest ascent over many starts.
+        for seed in 0..200 {
+            let mut e: [f64; 6] = std::array::from_fn(|i| ((seed * 7 + i * 13) as f64).sin());
+            for step in 0..400 {
+                let ratio = energy(&tensor, &e) / energy(&average, &e);
+                let length = 0.3 / (1.0 + 0.02 * f64::from(step));
+                let row = |m: &Matrix6, i: usize| (0..6).map(|j| m[i][j] * e[j]).sum::<f64>();
+                let slope: [f64; 6] = std::array::from_fn(|i| row(&tensor, i) - ratio * row(&average, i));
+                let norm = slope.iter().map(|s| s * s).sum::<f64>().sqrt().max(1e-300);
+                let size = e.iter().map(|s| s * s).sum::<f64>().sqrt();
+                (0..6).for_each(|i| e[i] += length * size * slope[i] / norm);
+            }
+            found = found.max(energy(&tensor, &e) / energy(&average, &e));
+        }
+        assert!(found <= most * (1.0 + 1e-12) && found > 0.98 * most, "{found} of {most}");
+        assert!((stiffening(6, &average, &average).unwrap() - 1.0).abs() < 1e-12);
+        // A material without resistance to one strain, such as a fluid's to shear, in axes that are not its own.
+        let mut singular = [[0.0; 6]; 6];
+        (0..5).for_each(|i| singular[i][i] = 1.0 + i as f64);
+        let singular = congruence(&matrix(0.4), &singular);
+        let double = singular.map(|row| row.map(|value| 2.0 * value));
+        let found = stiffening(6, &double, &singular).unwrap();
+        assert!((found - 2.0).abs() < 1e-9, "{found}");
     }
 
     #[test]
@@ -209,12 +270,12 @@ mod tests {
         let strain = |t: &Matrix6| congruence(&mollifier, t);
         consistent = strain(&consistent);
         let (tensor, condition, is_averaged) =
-            tensor_of(6, &mollifier, &consistent, || average, &EffectiveOptions::default()).unwrap();
+            tensor_of(6, &mollifier, &consistent, &average, &EffectiveOptions::default()).unwrap();
         assert!(condition > 1e12 && is_averaged, "{condition:e}");
         assert!(difference(&strain(&tensor), &consistent) < 1e-11, "known energies stay");
         assert!((tensor[5][5] - average[5][5]).abs() < 1e-12 && tensor[5][0].abs() < 1e-12, "{:?}", tensor[5]);
-        let none = tensor_of(6, &[[0.0; 6]; 6], &products, || average, &EffectiveOptions::default()).unwrap();
+        let none = tensor_of(6, &[[0.0; 6]; 6], &products, &average, &EffectiveOptions::default()).unwrap();
         assert!(difference(&none.0, &average) < 1e-15, "nothing known: the average");
-        assert_eq!(tensor_of(6, &[[f64::NAN; 6]; 6], &products, || average, &EffectiveOptions::default()), None);
+        assert_eq!(tensor_of(6, &[[f64::NAN; 6]; 6], &products, &average, &EffectiveOptions::default()), None);
     }
 }

@@ -2,11 +2,13 @@
 
 use std::time::Instant;
 
+use super::averages::mean_densities;
 use super::{
     Downsampled, EffectiveError, EffectiveOptions, EffectiveTensors, HarmonicDisplacements, HarmonicError,
-    HarmonicOptions, HarmonicReport, SimplexModel, bounding_normals, downsample, effective_tensors,
-    harmonic_displacements, lumped_mass,
+    HarmonicOptions, HarmonicReport, SimplexEmbedding, SimplexModel, bounding_normals, downsample, effective_tensors,
+    fit_downsampled, harmonic_displacements, lumped_mass,
 };
+use crate::linalg::CholeskyError;
 use crate::progress::Progress;
 use crate::simplex::{BoundaryError, Locator, OverlapError, Overlaps, SimplexMesh};
 
@@ -21,6 +23,16 @@ pub enum BoundaryNormals {
     Coarse,
 }
 
+/// How harmonic displacements are taken to the coarse mesh.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Downsampling {
+    /// Their values at the coarse nodes, as published: exact where coarse nodes cut a fine structure where it repeats, and for soft slices between stiff blocks.
+    #[default]
+    AtNodes,
+    /// The coarse fields closest to them in the mean over the body ([`fit_downsampled`]): for fine structures that coarse nodes meet anywhere.
+    Fitted,
+}
+
 /// Options of [`homogenize`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct HomogenizeOptions {
@@ -28,6 +40,8 @@ pub struct HomogenizeOptions {
     pub normals: BoundaryNormals,
     /// How harmonic displacements are held; its normals serve with [`BoundaryNormals::Fine`] only.
     pub harmonic: HarmonicOptions,
+    /// How they are taken to the coarse mesh.
+    pub downsampling: Downsampling,
     /// When a coarse mollifier counts as singular.
     pub effective: EffectiveOptions,
 }
@@ -39,7 +53,7 @@ pub struct Homogenized {
     pub harmonic: HarmonicDisplacements,
     /// What it took to find them.
     pub report: HarmonicReport,
-    /// The same at the coarse nodes.
+    /// The same on the coarse mesh.
     pub downsampled: Downsampled,
     /// Elasticity of the coarse cells.
     pub effective: EffectiveTensors,
@@ -66,6 +80,9 @@ pub enum HomogenizeError {
     /// Harmonic displacements were not found.
     #[error(transparent)]
     Harmonic(#[from] HarmonicError),
+    /// The coarse fields closest to the harmonic displacements were not found.
+    #[error("the harmonic displacements were not fitted on the coarse mesh: {0}")]
+    Fit(#[from] CholeskyError),
     /// Tensors were not found.
     #[error(transparent)]
     Effective(#[from] EffectiveError),
@@ -92,14 +109,17 @@ pub fn homogenize(
     }
     let (harmonic, report) = harmonic_displacements(model, &loading, progress)?;
     let solved = start.elapsed().as_secs_f64();
-    let downsampled = downsample(&Locator::new(fine), &harmonic, coarse);
+    let locator = Locator::new(coarse);
+    let mut downsampled = downsample(&Locator::new(fine), &harmonic, coarse);
+    if options.downsampling == Downsampling::Fitted {
+        let embedding = SimplexEmbedding::new(fine, &locator);
+        downsampled = fit_downsampled((fine, &harmonic), (coarse, &embedding), &downsampled)?;
+    }
     let effective =
         effective_tensors((model, &harmonic), (coarse, &downsampled.fields), &overlaps, &options.effective)?;
-    let mass = lumped_mass(model, &Locator::new(coarse), &overlaps);
+    let mass = lumped_mass(model, &locator, &overlaps);
     let filled = (0..coarse.cell_count()).map(|q| overlaps.filled(q)).collect();
-    let mass_of =
-        |q: usize| overlaps.of_coarse(q).iter().map(|(p, shared)| shared * model.density(*p as usize)).sum::<f64>();
-    let density = (0..coarse.cell_count()).map(|q| mass_of(q) / coarse.measure(q)).collect();
+    let density = mean_densities(model, coarse, &overlaps);
     let rest = start.elapsed().as_secs_f64() - solved;
     Ok(Homogenized {
         harmonic,

@@ -156,7 +156,7 @@ fn elimination_order(mesh: &SimplexMesh) -> Result<Vec<u32>, GraphOrderError> {
 }
 
 /// The cells by the numbers of their nodes; corners beyond the dimension repeat the first.
-fn cliques(mesh: &SimplexMesh, number_of: &[u32]) -> Vec<[u32; 4]> {
+pub(super) fn cliques(mesh: &SimplexMesh, number_of: &[u32]) -> Vec<[u32; 4]> {
     let corner = |cell: usize, n: usize| *mesh.cell(cell).get(n).unwrap_or(&mesh.cell(cell)[0]);
     let clique = |cell| std::array::from_fn(|n| number_of[corner(cell, n) as usize]);
     (0..mesh.cell_count()).map(clique).collect()

@@ -15,7 +15,7 @@ pub struct Brush {
 
 impl Brush {
     /// Whether the point is within the radius, grown by `slack` \[m\], of the path.
-    pub(super) fn reaches(&self, x: [f64; 3], slack: f64) -> bool {
+    pub(crate) fn reaches(&self, x: [f64; 3], slack: f64) -> bool {
         let far = self.radius + slack;
         let near = |from, to| square_distance(x, from, to) <= far * far;
         match self.path.as_slice() {

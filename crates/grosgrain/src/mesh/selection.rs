@@ -138,6 +138,28 @@ pub enum SelectionError {
     /// A plane that is nowhere.
     #[error("the plane's coordinate {0} must be finite")]
     Plane(f64),
+    /// A plane normal to an axis along which a mesh has no extent.
+    #[error(
+        "a plane normal to {axis:?} cannot divide a mesh of {of}, which has no extent along it; take one normal to {instead}"
+    )]
+    NoExtent {
+        /// The normal.
+        axis: Axis,
+        /// Of what the mesh is made.
+        of: String,
+        /// Axes that would do.
+        instead: &'static str,
+    },
+    /// What takes away voxels, asked of a mesh.
+    #[error(
+        "{what} picks voxels, of which a mesh of {of} has none; pick its nodes by a plane, box, sphere, brush or label"
+    )]
+    NotOfMeshes {
+        /// What the selector is.
+        what: &'static str,
+        /// Of what the mesh is made.
+        of: String,
+    },
 }
 
 impl Selector {

@@ -197,6 +197,16 @@ impl SimplexMesh {
         std::array::from_fn(|r| (0..corners).map(|n| self.corner(cell, n)[r]).sum::<f64>() / corners as f64)
     }
 
+    /// What the nodes have when every cell gives an equal part of what it has to each of its corners: of the masses of cells the lumped masses of nodes.
+    pub fn lumped(&self, of_cell: impl Fn(usize) -> f64) -> Vec<f64> {
+        let mut of_nodes = vec![0.0; self.nodes.len()];
+        for cell in 0..self.cell_count() {
+            let part = of_cell(cell) / self.dimension.corners() as f64;
+            self.cell(cell).iter().for_each(|node| of_nodes[*node as usize] += part);
+        }
+        of_nodes
+    }
+
     /// The same mesh with the tags that `tag` gives to the centres \[m\] of cells.
     #[must_use]
     pub fn tagged(mut self, tag: impl Fn([f64; 3]) -> i32) -> Self {
@@ -297,6 +307,7 @@ mod tests {
         );
         assert_eq!((part.cell(0), part.cell(1), part.total_measure()), (&[2, 1][..], &[1, 0][..], 2.0));
         assert_eq!(mesh.part(|_| false).unwrap_err(), SimplexMeshError::Empty { dimension: Dimension::One });
+        assert_eq!(mesh.lumped(|cell| [2.0, 4.0, 6.0, 8.0][cell]), [1.0, 4.0, 3.0, 7.0, 5.0]);
         assert_eq!(mesh.tagged(|x| (2.0 * x[0]) as i32).tags(), [1, 3, 5, 7]);
     }
 

@@ -1,10 +1,13 @@
 //! Meshes of simplices (segments, triangles, tetrahedra) and elasticity in as many dimensions.
 
+mod around;
 mod boundary;
 mod bounding_tree;
+mod carving;
 mod checks;
 mod clipping;
 mod corotated;
+mod cylinder;
 mod distance;
 mod enclosing;
 mod error;
@@ -13,18 +16,27 @@ mod lattice;
 mod locate;
 mod mesh;
 mod overlaps;
-mod shells;
+mod prism;
 mod quality;
+mod refinement;
+mod selection;
+mod shells;
+mod stress;
 mod tensor;
 
+pub(crate) use around::CellsAround;
 pub use boundary::{Boundary, BoundaryError, BoundaryFace, BranchingRidge, Shell};
 pub use bounding_tree::{BoundingBox, BoundingTree};
+pub use carving::CarvingError;
 pub use checks::{MeshFinding, Severity, check_mesh, check_overlap, components, pieces};
 pub use corotated::{SimplexElasticity, SimplexElasticityError, SimplexLaw, SimplexMatrix};
+pub use cylinder::SimplexCylinder;
 pub(crate) use distance::squared_distance_of_face;
 pub use error::SimplexMeshError;
 pub use lattice::{BoxCut, SimplexLattice, SimplexLatticeError};
 pub use locate::{CellWeights, Locator, Place};
 pub use mesh::{Dimension, SimplexMesh};
 pub use overlaps::{OverlapError, Overlaps};
+pub use selection::{select_cells, select_nodes, selected_faces, traction_forces};
+pub use stress::cauchy_stress;
 pub use tensor::{MandelTensor, mandel_strain};

@@ -1,5 +1,6 @@
 //! `compare`: the fine model and coarse models of the same scene, side by side.
 
+mod meshes;
 mod moving;
 
 use std::path::PathBuf;
@@ -9,13 +10,14 @@ use serde::Serialize;
 
 use crate::failure::Failure;
 use crate::interruption;
-use crate::method::Method;
+use crate::method::{AskedMethod, Method};
 use crate::outcome::{FineRun, run_coarse, run_fine, warn_of_softness};
 use crate::output::OutputFolder;
 use crate::problem::Problem;
 use crate::progress::Progress;
 use crate::quantities::{count, number, seconds};
 use crate::results;
+use crate::scene::read_scene;
 
 const EXAMPLES: &str = "Examples:
   grosgrain compare scenes/beam-oblique.toml
@@ -27,9 +29,10 @@ const EXAMPLES: &str = "Examples:
 pub struct Arguments {
     /// The scene, a TOML file
     scene: PathBuf,
-    /// The methods, with commas between them: fine, trilinear, average, global, one-ring, single-cell; all without it
+    /// The methods, with commas between them: fine, trilinear, average, global, one-ring, single-cell, substructured, for a mesh
+    /// fine, tensor, average, trilinear, sampled; all without it
     #[arg(long, value_delimiter = ',', value_name = "A,B")]
-    methods: Vec<Method>,
+    methods: Vec<AskedMethod>,
     /// Write the table as JSON
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -48,12 +51,16 @@ struct Row {
 
 /// Runs every method and prints the table.
 pub fn run(arguments: &Arguments, progress: &Progress) -> Result<(), Failure> {
-    let problem = Problem::read(&arguments.scene, progress)?;
+    let scene = read_scene(&arguments.scene)?;
+    if scene.is_mesh() {
+        return meshes::run(scene, &arguments.methods, arguments.json.as_deref(), progress);
+    }
+    let problem = Problem::new(scene, progress)?;
     problem.require_support()?;
-    let methods = match arguments.methods.is_empty() {
+    let methods: Vec<Method> = match arguments.methods.is_empty() {
         // The method auto is one of the others.
         true => Method::ALL.iter().map(|(_, method)| *method).filter(|method| *method != Method::Auto).collect(),
-        false => arguments.methods.clone(),
+        false => arguments.methods.iter().map(AskedMethod::for_voxels).collect::<Result<_, _>>()?,
     };
     if !problem.scene.is_linear_static() {
         return moving::run(problem, &methods, arguments.json.as_deref(), progress);

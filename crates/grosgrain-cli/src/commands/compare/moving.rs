@@ -13,12 +13,13 @@ use crate::output::OutputFolder;
 use crate::problem::Problem;
 use crate::progress::Progress;
 use crate::quantities::{count, number, seconds};
+use crate::report::Steps;
 use crate::results;
-use crate::tracks::{self, Kind, Track};
+use crate::tracks::{self, Books, Kind, Track};
 
 /// One method's row.
 #[derive(Clone, Debug, Serialize)]
-struct Row {
+pub(super) struct Row {
     method: String,
     unknowns: usize,
     /// At the end.
@@ -68,26 +69,32 @@ pub fn run(mut problem: Problem, methods: &[Method], json: Option<&Path>, progre
 
 fn row(problem: &Problem, tracks: &[Track], n: usize, errors: &[Vec<Option<f64>>]) -> Row {
     let (track, fine) = (&tracks[n], &tracks[0]);
-    let steps = &steps_of(tracks)[n];
-    let errors: Vec<f64> = errors.iter().map(|errors| errors[n].unwrap_or(0.0)).collect();
-    let ratio = track.books.elastic / fine.books.elastic;
-    Row {
-        method: steps.method.clone(),
-        unknowns: track.size(problem).unknowns,
-        error_percent: errors.last().copied().unwrap_or_default(),
-        worst_error_percent: errors.iter().fold(0.0, |worst, error| error.max(worst)),
-        energy_ratio: if ratio.is_finite() { ratio } else { 1.0 },
-        build_seconds: track.books.build.iter().sum(),
-        update_seconds: track.books.updates[2],
-        solve_seconds: track.books.solving,
-        seconds_per_step: steps.seconds_per_step,
-        speed_up: steps.speed_up.unwrap_or(1.0),
-        newton_steps: steps.newton_steps,
-        errors_percent: errors,
+    let errors = errors.iter().map(|errors| errors[n].unwrap_or(0.0)).collect();
+    Row::new(&steps_of(tracks)[n], track.size(problem).unknowns, [&track.books, &fine.books], errors)
+}
+
+impl Row {
+    /// What the steps of a method, its books and those of the fine model say, with the errors of all steps in percent.
+    pub(super) fn new(steps: &Steps, unknowns: usize, [books, fine]: [&Books; 2], errors: Vec<f64>) -> Self {
+        let ratio = books.elastic / fine.elastic;
+        Self {
+            method: steps.method.clone(),
+            unknowns,
+            error_percent: errors.last().copied().unwrap_or_default(),
+            worst_error_percent: errors.iter().fold(0.0, |worst, error| error.max(worst)),
+            energy_ratio: if ratio.is_finite() { ratio } else { 1.0 },
+            build_seconds: books.build.iter().sum(),
+            update_seconds: books.updates[2],
+            solve_seconds: books.solving,
+            seconds_per_step: steps.seconds_per_step,
+            speed_up: steps.speed_up.unwrap_or(1.0),
+            newton_steps: steps.newton_steps,
+            errors_percent: errors,
+        }
     }
 }
 
-fn table(rows: &[Row]) -> String {
+pub(super) fn table(rows: &[Row]) -> String {
     let heading =
         ["method", "unknowns", "error at the end", "worst", "energy ratio", "build", "updates", "step", "speed-up"];
     let or_dash = |s: f64| if s > 0.0 { seconds(s) } else { "–".into() };

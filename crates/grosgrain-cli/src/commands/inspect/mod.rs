@@ -1,6 +1,7 @@
 //! `inspect`: what volumes, meshes, scenes and models hold.
 
 pub(super) mod mesh;
+mod mesh_scene;
 mod model;
 mod scene;
 mod volume;
@@ -15,6 +16,7 @@ use crate::failure::Failure;
 use crate::interruption;
 use crate::progress::Progress;
 use crate::results;
+use crate::scene::{Scene, read_scene};
 
 const EXAMPLES: &str = "Examples:
   grosgrain inspect data/ct_torso/example_ct.nii.gz
@@ -39,6 +41,8 @@ enum Contents {
     Volume(volume::VolumeSummary),
     Mesh(mesh::MeshSummary),
     Scene(Box<scene::SceneSummary>),
+    #[serde(rename = "scene")]
+    MeshScene(Box<mesh_scene::MeshSceneSummary>),
     Model(model::ModelSummary),
 }
 
@@ -76,10 +80,17 @@ fn inspect(file: &Path, progress: &Progress) -> Result<Contents, Failure> {
     }
     let extension = file.extension().map_or_else(String::new, |e| e.to_string_lossy().to_lowercase());
     match extension.as_str() {
-        "toml" => scene::summarise(file, progress).map(|summary| Contents::Scene(Box::new(summary))),
+        "toml" => inspect_scene(read_scene(file)?, progress),
         "npz" => model::summarise(file).map(Contents::Model),
         _ if MeshFormat::of_name(file).is_some() => mesh::summarise(file).map(Contents::Mesh),
         _ => volume::summarise(file).map(Contents::Volume),
+    }
+}
+
+fn inspect_scene(scene: Scene, progress: &Progress) -> Result<Contents, Failure> {
+    match scene.is_mesh() {
+        true => mesh_scene::summarise(scene, progress).map(|summary| Contents::MeshScene(Box::new(summary))),
+        false => scene::summarise(&scene, progress).map(|summary| Contents::Scene(Box::new(summary))),
     }
 }
 
@@ -89,6 +100,7 @@ impl Contents {
             Self::Volume(summary) => summary.rows(),
             Self::Mesh(summary) => summary.rows(),
             Self::Scene(summary) => summary.rows(),
+            Self::MeshScene(summary) => summary.rows(),
             Self::Model(summary) => summary.rows(),
         }
     }

@@ -1,7 +1,5 @@
 //! What a scene describes.
 
-use std::path::Path;
-
 use grosgrain::material::Elasticity;
 use grosgrain::mesh::{Components, Label, Neighbourhood, VoxelGrid, pad_to_multiple};
 use grosgrain::partition::{CoarseMesh, Partition};
@@ -15,7 +13,7 @@ use crate::held_parts::{check_held_parts, held_parts};
 use crate::memory;
 use crate::progress::Progress;
 use crate::quantities::{bytes, count, counted, number, triple, triple_count};
-use crate::scene::{Coarsening, Scene, read_scene};
+use crate::scene::{Coarsening, Scene};
 use crate::schedule::EditSchedule;
 
 /// What a scene describes.
@@ -48,29 +46,28 @@ pub struct SceneSummary {
 }
 
 #[derive(Debug, Serialize)]
-struct MaterialSummary {
-    name: String,
-    label: i32,
-    cells: usize,
-    young: Option<[f64; 2]>,
-    poisson: Option<f64>,
-    density: f64,
+pub(super) struct MaterialSummary {
+    pub name: String,
+    pub label: i32,
+    pub cells: usize,
+    pub young: Option<[f64; 2]>,
+    pub poisson: Option<f64>,
+    pub density: f64,
 }
 
-/// Reads the scene in `file`, builds its body and sums both up.
-pub fn summarise(file: &Path, progress: &Progress) -> Result<SceneSummary, Failure> {
-    let scene = read_scene(file)?;
+/// Builds the body of a scene of voxels and sums both up.
+pub fn summarise(scene: &Scene, progress: &Progress) -> Result<SceneSummary, Failure> {
     scene.warnings.iter().for_each(|warning| progress.warn(warning));
-    let body = build_body(&scene)?;
+    let body = build_body(scene)?;
     body.remarks.iter().for_each(|remark| progress.say(remark));
-    check_held_parts(&scene, &body.grid, &held_parts(&scene, &body.grid)?)?;
+    check_held_parts(scene, &body.grid, &held_parts(scene, &body.grid)?)?;
     let loose = match scene.fixes.is_empty() {
         _ if scene.is_dynamic() => None,
         true => loose_from_largest(&body.grid),
-        false => loose_when_held(&scene, &body.grid)?,
+        false => loose_when_held(scene, &body.grid)?,
     };
     loose.iter().for_each(|sentence| progress.warn(sentence));
-    summary(&scene, &body)
+    summary(scene, &body)
 }
 
 fn summary(scene: &Scene, body: &Body) -> Result<SceneSummary, Failure> {
@@ -185,12 +182,12 @@ impl SceneSummary {
     }
 }
 
-fn model_size(cells: usize, nodes: usize, unknowns: usize) -> String {
+pub(super) fn model_size(cells: usize, nodes: usize, unknowns: usize) -> String {
     format!("{}, {}, {}", counted(cells, "cell"), counted(nodes, "node"), counted(unknowns, "unknown"))
 }
 
 impl MaterialSummary {
-    fn row(&self) -> (String, String) {
+    pub fn row(&self) -> (String, String) {
         let elasticity = match (self.young, self.poisson) {
             (Some([low, high]), Some(poisson)) if low == high => format!("E {} Pa, ν {}", number(low), number(poisson)),
             (Some([low, high]), Some(poisson)) => {

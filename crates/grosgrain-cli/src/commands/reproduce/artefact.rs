@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use super::bodies::Heterogeneity;
 use super::moving::{self, FIG1, FIG4, FIG5};
-use super::tensors::{homogeneous, springs};
+use super::tensors::{cheese, composite, crack, homogeneous, layers, liver, springs};
 use super::{Findings, Study, fig2, fig3, table1, table2, table3};
 use crate::failure::Failure;
 use crate::results;
@@ -34,6 +34,16 @@ pub enum Artefact {
     Springs,
     /// A homogeneous body coarsened into its own material.
     Homogeneous,
+    /// A cube of soft and stiff layers.
+    Layers,
+    /// A bar with a thin slice of soft material.
+    Crack,
+    /// A composite on a single triangle.
+    Composite,
+    /// A wheel of cheese with holes in one half falls.
+    Cheese,
+    /// A liver with its veins falls.
+    Liver,
 }
 
 /// Why a name is none.
@@ -46,7 +56,7 @@ pub struct UnknownArtefact {
 }
 
 impl Artefact {
-    const ALL: [Self; 10] = [
+    const ALL: [Self; 15] = [
         Self::Table1,
         Self::Table2,
         Self::Table3,
@@ -57,10 +67,15 @@ impl Artefact {
         Self::Fig5,
         Self::Springs,
         Self::Homogeneous,
+        Self::Layers,
+        Self::Crack,
+        Self::Composite,
+        Self::Cheese,
+        Self::Liver,
     ];
 
     /// How many at the end are of `kharevych2009numerical`.
-    const OF_TENSORS: usize = 2;
+    const OF_TENSORS: usize = 7;
 
     fn name(self) -> &'static str {
         match self {
@@ -74,6 +89,11 @@ impl Artefact {
             Self::Fig5 => FIG5.name,
             Self::Springs => springs::NAME,
             Self::Homogeneous => homogeneous::NAME,
+            Self::Layers => layers::NAME,
+            Self::Crack => crack::NAME,
+            Self::Composite => composite::NAME,
+            Self::Cheese => cheese::NAME,
+            Self::Liver => liver::NAME,
         }
     }
 
@@ -89,6 +109,17 @@ impl Artefact {
             Self::Fig5 => "a plate of active material, twisted and softened: with update, without, fine",
             Self::Springs => "springs in series replaced by one, against the closed form",
             Self::Homogeneous => "a homogeneous body coarsened into its own material, in 1, 2 and 3 dimensions",
+            Self::Layers => {
+                "a cube of soft and stiff layers: harmonic displacements, at rest and in motion, tensors and averages against fine"
+            }
+            Self::Crack => {
+                "a bar of triangles with a thin soft slice: at rest and in motion, tensors and averages against fine"
+            }
+            Self::Composite => {
+                "fig. 6: a composite that hangs from its top, shown by a single triangle, by 4 and by 16"
+            }
+            Self::Cheese => "a wheel of cheese with holes in one half falls: fine and coarse, cost",
+            Self::Liver => "a liver with its veins falls: fine and coarse, cost",
         }
     }
 
@@ -102,6 +133,7 @@ impl Artefact {
             Self::Table1 | Self::Table2 | Self::Fig2 => Some(2..=7),
             Self::Table3 | Self::Fig3 => Some(2..=5),
             Self::Fig1 | Self::Fig4 | Self::Fig5 | Self::Springs | Self::Homogeneous => None,
+            Self::Layers | Self::Crack | Self::Composite | Self::Cheese | Self::Liver => None,
         }
     }
 
@@ -118,6 +150,11 @@ impl Artefact {
             Self::Fig5 => moving::run(study, &FIG5),
             Self::Springs => springs::run(study),
             Self::Homogeneous => homogeneous::run(study),
+            Self::Layers => layers::run(study),
+            Self::Crack => crack::run(study),
+            Self::Composite => composite::run(study),
+            Self::Cheese => cheese::run(study),
+            Self::Liver => liver::run(study),
         }
     }
 
@@ -145,8 +182,25 @@ impl Artefact {
         Failure::Unusable(format!("{} {why}; leave {option} out", self.name()))
     }
 
-    /// Refuses options about scenes for what has none.
+    /// Whether it moves without a scene.
+    fn falls(self) -> bool {
+        matches!(self, Self::Cheese | Self::Liver)
+    }
+
+    /// Refuses a folder of meshes for what reads none.
+    pub fn check_meshes(self, meshes: bool) -> Result<(), Failure> {
+        match meshes && self != Self::Liver {
+            true => Err(Failure::Unusable(format!(
+                "{} reads no meshes; leave --meshes out, which is for liver",
+                self.name()
+            ))),
+            false => Ok(()),
+        }
+    }
+
+    /// Refuses options about scenes and steps for what has none.
     pub fn check_scene(self, steps: bool, scenes: bool) -> Result<(), Failure> {
+        let steps = steps && !self.falls();
         let option = if steps { "--steps" } else { "--scenes" };
         if !self.has_scene() && (steps || scenes) {
             let sentence =
@@ -222,6 +276,8 @@ mod tests {
         assert!(Artefact::Springs.degrees(&[2]).unwrap_err().to_string().contains("nothing to choose"));
         assert!(Artefact::Homogeneous.check_scene(true, false).is_err());
         assert!(Artefact::Fig4.check_scene(true, true).is_ok() && Artefact::Fig2.check_scene(true, false).is_err());
+        assert!(Artefact::Liver.check_scene(true, false).is_ok() && Artefact::Cheese.check_scene(true, true).is_err());
+        assert!(Artefact::Liver.check_meshes(true).is_ok() && Artefact::Cheese.check_meshes(true).is_err());
         assert_eq!(Artefact::Fig4.degrees(&[]).unwrap(), [0; 0]);
     }
 }

@@ -7,6 +7,7 @@ mod fig3;
 mod fits;
 mod moving;
 mod pictures;
+mod repository;
 mod row;
 mod setting;
 mod table1;
@@ -37,7 +38,7 @@ const EXAMPLES: &str = "Examples:
 #[derive(Args, Clone, Debug)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
-    /// What is run again: table1, table2, table3, fig1 to fig5, springs, homogeneous
+    /// What is run again: table1, table2, table3, fig1 to fig5, springs, homogeneous, layers, crack, composite, cheese, liver
     #[arg(value_name = "NAME", required_unless_present = "list")]
     names: Vec<Artefact>,
     /// Say what can be reproduced, and stop
@@ -49,12 +50,15 @@ pub struct Arguments {
     /// The patterns, with commas between them: oblique, horizontal, vertical; all without it
     #[arg(long, value_delimiter = ',', value_name = "A,B")]
     patterns: Vec<Heterogeneity>,
-    /// Figs. 1, 4 and 5: make the first so many steps of the scene only
+    /// Figs. 1, 4 and 5, cheese and liver: make the first so many steps only
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     steps: Option<u32>,
     /// Figs. 1, 4 and 5: the folder of their scenes; without it `scenes` in or above the current folder or that of the program
     #[arg(long, value_name = "DIR")]
     scenes: Option<PathBuf>,
+    /// Liver: the folder of its meshes; without it `data/meshes` in or above the current folder or that of the program
+    #[arg(long, value_name = "DIR")]
+    meshes: Option<PathBuf>,
     /// Write pictures and charts into this folder; none are written without it
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
@@ -71,6 +75,8 @@ struct Study<'a> {
     steps: Option<usize>,
     /// Where scenes are.
     scenes: Option<PathBuf>,
+    /// Where meshes are.
+    meshes: Option<PathBuf>,
     /// Where pictures go.
     folder: Option<PathBuf>,
     machine: Machine,
@@ -117,11 +123,13 @@ pub fn run(arguments: &Arguments, progress: &Progress) -> Result<(), Failure> {
 
 fn study<'a>(artefact: Artefact, arguments: &Arguments, progress: &'a Progress) -> Result<Study<'a>, Failure> {
     artefact.check_scene(arguments.steps.is_some(), arguments.scenes.is_some())?;
+    artefact.check_meshes(arguments.meshes.is_some())?;
     Ok(Study {
         degrees: artefact.degrees(&arguments.degrees)?,
         patterns: artefact.patterns(&arguments.patterns)?,
         steps: arguments.steps.map(|steps| steps as usize),
         scenes: arguments.scenes.clone(),
+        meshes: arguments.meshes.clone(),
         folder: arguments.output.clone(),
         machine: Machine::here(),
         progress,

@@ -1,7 +1,10 @@
 //! `simulate`: the main job. Coarsen, solve, write frames, pictures and the report.
 
+mod mesh_output;
+mod meshes;
 mod moving;
 
+pub use meshes::steps_of_meshes;
 pub use moving::steps_of;
 
 use std::path::{Path, PathBuf};
@@ -13,7 +16,7 @@ use crate::deformed_volume::{self, ScannedBody};
 use crate::failure::Failure;
 use crate::frames::Frames;
 use crate::interruption;
-use crate::method::Method;
+use crate::method::{AskedMethod, Method};
 use crate::outcome::{CoarseRun, solver_of, warn_of_softness};
 use crate::output::OutputFolder;
 use crate::picture::{self, Drawn};
@@ -22,6 +25,7 @@ use crate::progress::Progress;
 use crate::quantities::{count, number, seconds};
 use crate::report::{self, ModelSize, Report, SCHEMA_VERSION};
 use crate::results;
+use crate::scene::read_scene;
 use crate::sequence::{self, Sequence};
 
 const EXAMPLES: &str = "Examples:
@@ -37,20 +41,25 @@ pub struct Arguments {
     /// The folder that receives frames, picture and report.json; out/NAME without it
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
-    /// fine, trilinear, average, global, one-ring, single-cell, substructured or auto; without it the scene's training
+    /// fine, trilinear, average, global, one-ring, single-cell, substructured or auto; without it the scene's training. For a
+    /// mesh fine, tensor, average, trilinear or sampled; without it tensor
     #[arg(long)]
-    method: Option<Method>,
+    method: Option<AskedMethod>,
 }
 
 /// Runs the scene and writes the results.
 pub fn run(arguments: &Arguments, progress: &Progress) -> Result<(), Failure> {
     let start = Instant::now();
-    let mut problem = Problem::read(&arguments.scene, progress)?;
-    problem.require_support()?;
+    let scene = read_scene(&arguments.scene)?;
     let output = arguments.output.clone().unwrap_or_else(|| default_folder(&arguments.scene));
+    if scene.is_mesh() {
+        return meshes::run(scene, arguments.method.as_ref(), &output, progress);
+    }
+    let mut problem = Problem::new(scene, progress)?;
+    problem.require_support()?;
     let output = OutputFolder::make(&output)?;
     let folder = output.path();
-    let method = problem.method(arguments.method);
+    let method = problem.method(arguments.method.as_ref())?;
     if !problem.scene.is_linear_static() {
         return moving::run(&mut problem, method, folder, progress);
     }
@@ -190,7 +199,7 @@ fn text(report: &Report, written: &[PathBuf]) -> String {
     let stages = report.seconds.iter().map(|(stage, s)| format!("{stage} {}", seconds(*s)));
     rows.push(row("time", stages.collect::<Vec<_>>().join(", ")));
     if let Some(error) = &report.error {
-        let when = if report.steps.is_empty() { "" } else { " at the end" };
+        let when = if report.steps.is_empty() || report.frames.len() < 2 { "" } else { " at the end" };
         let value = format!("{:.1} % RMS{when}, energy ratio {}", error.rms_percent, number(error.energy_ratio));
         rows.push(row("error against the fine model", value));
     }

@@ -20,10 +20,11 @@ use crate::progress::Progress;
 use crate::quantities::{count, number};
 use crate::report::{self, ModelSize, Report, RunError, SCHEMA_VERSION, Steps};
 use crate::results;
+use crate::scene::Scene;
 use crate::tracks::{self, Kind, Outcome, Track, TrackStep};
 
 /// Times in the strip of a film.
-const COLUMNS: usize = 6;
+pub(super) const COLUMNS: usize = 6;
 
 /// Runs the scene and writes the results into `folder`.
 ///
@@ -227,7 +228,7 @@ impl<'a> Writer<'a> {
                 written.extend(draw(problem, self.method, &drawn, self.folder.join("picture_worst.png"), progress));
                 problem.model = now;
             }
-            written.extend(charts(problem, outcome, self.folder, progress));
+            written.extend(charts(&problem.scene, &edits_of(problem, outcome), outcome, self.folder, progress));
         }
         if let Some(film) = self.film.as_ref().filter(|_| !self.last.is_empty()) {
             progress.say("drawing the film");
@@ -244,27 +245,32 @@ impl<'a> Writer<'a> {
     }
 }
 
+/// The first edits of a run as events of its charts.
+fn edits_of(problem: &Problem, outcome: &Outcome) -> Vec<Event> {
+    let edits = outcome.edits.iter().take(8).enumerate();
+    edits.map(|(n, edit)| Event { at: problem.schedule.time(edit.step), label: format!("edit {}", n + 1) }).collect()
+}
+
 /// Charts over time: the error where there is one, and the energies of a dynamic run.
-fn charts(problem: &Problem, outcome: &Outcome, folder: &Path, progress: &Progress) -> Vec<PathBuf> {
+pub(super) fn charts(
+    scene: &Scene,
+    events: &[Event],
+    outcome: &Outcome,
+    folder: &Path,
+    progress: &Progress,
+) -> Vec<PathBuf> {
     let frames = &outcome.frames;
     if frames.len() < 3 {
         return Vec::new();
     }
     let x = Axis { label: "time [s]".into(), ..Axis::default() };
-    let events: Vec<Event> = outcome
-        .edits
-        .iter()
-        .take(8)
-        .enumerate()
-        .map(|(n, edit)| Event { at: problem.schedule.time(edit.step), label: format!("edit {}", n + 1) })
-        .collect();
     let chart = |title: &str, unit: &str, series: Vec<Series>, file: &str| {
         let chart = Chart {
-            title: format!("{}: {title}", problem.scene.title),
+            title: format!("{}: {title}", scene.title),
             x: x.clone(),
             y: Axis { label: unit.into(), ..Axis::default() },
             series,
-            events: events.clone(),
+            events: events.to_vec(),
             ..Chart::default()
         };
         keep_or_warn(picture::save(chart.render(), &folder.join(file)), progress)
@@ -276,7 +282,7 @@ fn charts(problem: &Problem, outcome: &Outcome, folder: &Path, progress: &Progre
         let series = vec![Series { name: "coarse".into(), points: errors }];
         written.extend(chart("error", "RMS error against the fine model [%]", series, "error.png"));
     }
-    if problem.scene.is_dynamic() {
+    if scene.is_dynamic() {
         let curve = |name: &str, pick: fn(&report::Frame, &report::Motion) -> f64| {
             let point = |frame: &report::Frame| Some([frame.time, pick(frame, frame.motion.as_ref()?)]);
             Series { name: name.into(), points: frames.iter().filter_map(point).collect() }
@@ -294,20 +300,10 @@ fn charts(problem: &Problem, outcome: &Outcome, folder: &Path, progress: &Progre
 
 /// The steps of all tracks, with how much faster than the fine one each is.
 pub fn steps_of(tracks: &[Track]) -> Vec<Steps> {
-    let per_step = |track: &Track| track.books.solving / track.books.steps.max(1) as f64;
-    let fine = tracks.iter().find(|track| track.kind == Kind::Fine).map(per_step);
-    let steps = |track: &Track| Steps {
-        method: match track.kind {
-            Kind::Fine => "fine".into(),
-            Kind::Coarse { method, .. } => method.name().into(),
-        },
-        steps: track.books.steps,
-        seconds_per_step: per_step(track),
-        newton_steps: track.books.newton,
-        linear_iterations: track.books.linear,
-        divided_steps: track.books.divided,
-        relative_residual: track.books.residual,
-        speed_up: fine.filter(|_| track.kind != Kind::Fine && per_step(track) > 0.0).map(|fine| fine / per_step(track)),
+    let fine = tracks.iter().find(|track| track.kind == Kind::Fine).map(|track| &track.books);
+    let steps = |track: &Track| match track.kind {
+        Kind::Fine => Steps::of("fine", &track.books, None),
+        Kind::Coarse { method, .. } => Steps::of(method.name(), &track.books, fine),
     };
     tracks.iter().map(steps).collect()
 }
@@ -332,10 +328,9 @@ fn make_report(
     if let Some(fine) = tracks.iter().skip(1).find(|track| track.kind == Kind::Fine) {
         seconds.insert("fine".into(), fine.books.solving);
     }
-    let error = outcome.errors.last().and_then(|errors| errors[0]).map(|rms_percent| {
-        let fine = tracks.iter().find(|track| track.kind == Kind::Fine).map_or(f64::NAN, |fine| fine.books.elastic);
-        RunError { rms_percent, energy_ratio: if fine == 0.0 { 1.0 } else { books.elastic / fine } }
-    });
+    let fine = tracks.iter().find(|track| track.kind == Kind::Fine);
+    let error = outcome.errors.last().and_then(|errors| errors[0]).zip(fine);
+    let error = error.map(|(rms_percent, fine)| RunError::of(rms_percent, books, &fine.books));
     Ok(Report {
         schema_version: SCHEMA_VERSION,
         program_version: env!("CARGO_PKG_VERSION"),

@@ -89,11 +89,12 @@ impl LaggedFactor {
         self.spent > 0.0
     }
 
-    /// Factors `matrix`: in single precision, where that meets a pivot that is not positive in double precision from now on, and with a diagonal shift if only
+    /// Factors `matrix`: in single precision, where only that meets a pivot that is not positive in double precision from now on, and with a diagonal shift if only
     /// rounding makes it indefinite.
     pub fn factor<const N: usize>(&mut self, matrix: &BlockMatrix<f64, N>) -> Result<(), SolverError> {
         self.spent = 0.0;
         self.values.resize(self.symbolic.pattern().entry_count(), 0.0);
+        let was_single = matches!(self.factor, Factor::Single(_));
         let mut outcome = Ok(());
         for shift in [0.0, SHIFT] {
             matrix.lower_into(shift, &mut self.values);
@@ -108,6 +109,10 @@ impl LaggedFactor {
                 Ok(())
             }
             Err(CholeskyError::NotPositiveDefinite { pivot, order }) => {
+                // No digits were wanting: the next matrix may well be definite in single precision.
+                if was_single {
+                    self.factor = Factor::Single(None);
+                }
                 let evidence = format!("pivot {pivot} of its factorisation");
                 Err(SolverError::Indefinite { unknowns: order, evidence })
             }

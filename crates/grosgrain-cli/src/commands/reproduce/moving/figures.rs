@@ -135,7 +135,7 @@ impl Figures {
             body,
             coarse_unknowns: track(Model::WithUpdate).map_or(0, |(_, track)| track.size(problem).unknowns),
             degree: problem.scene.coarsening.degree,
-            method: problem.method(None).name(),
+            method: problem.own_method().name(),
             tolerance: problem.scene.time.tolerance,
             steps: (outcome.times.len().saturating_sub(1), problem.schedule.time(1)),
             errors: COARSE.map(|model| errors(model).unwrap_or_default()),

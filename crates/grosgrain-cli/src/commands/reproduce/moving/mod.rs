@@ -7,7 +7,6 @@ mod examples;
 mod figures;
 mod films;
 mod scans;
-mod scene_file;
 mod text;
 
 pub use examples::{Example, FIG1, FIG4, FIG5};
@@ -16,6 +15,7 @@ use grosgrain_picture::Event;
 
 use self::figures::Figures;
 use self::films::Recorder;
+use super::repository::SCENES;
 use super::{Findings, Study};
 use crate::failure::Failure;
 use crate::interruption;
@@ -48,7 +48,7 @@ impl Model {
     }
 
     fn kind(self, problem: &Problem) -> Kind {
-        let coarse = |update| Kind::Coarse { method: problem.method(None), update };
+        let coarse = |update| Kind::Coarse { method: problem.own_method(), update };
         match self {
             Self::WithUpdate => coarse(true),
             Self::WithoutUpdate => coarse(false),
@@ -64,7 +64,7 @@ impl Model {
 /// findings, with what came before it.
 pub fn run(study: &Study, example: &Example) -> Result<Findings, Failure> {
     let progress = study.progress;
-    let file = scene_file::find(example.scene, study.scenes.as_deref())?;
+    let file = SCENES.find(example.scene, study.scenes.as_deref())?;
     progress.say(&format!("{}: {}", example.name, file.display()));
     let mut problem = Problem::read(&file, progress)?;
     problem.require_support()?;

@@ -1,7 +1,18 @@
 //! What KMOD09 (`kharevych2009numerical`) shows of effective tensors.
 
+pub mod composite;
+pub mod crack;
+mod errors;
+mod falling;
 pub mod homogeneous;
+mod laminate;
+pub mod layers;
+mod pair;
+mod pictures;
+mod played;
 pub mod springs;
+
+pub use falling::{cheese, liver};
 
 use grosgrain::homogenization::{HomogenizeOptions, Homogenized, SimplexModel, homogenize};
 use grosgrain::simplex::{MandelTensor, SimplexMesh};

@@ -1,5 +1,7 @@
 //! `coarsen`: the coarse model of a scene's body.
 
+mod meshes;
+
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -10,13 +12,14 @@ use serde::Serialize;
 use crate::body::loose_from_largest;
 use crate::failure::Failure;
 use crate::interruption;
-use crate::method::Method;
+use crate::method::{AskedMethod, Method};
 use crate::outcome::build_coarse;
 use crate::output::OutputFolder;
 use crate::problem::Problem;
 use crate::progress::Progress;
 use crate::quantities::{bytes, count, number, seconds};
 use crate::results;
+use crate::scene::read_scene;
 
 const EXAMPLES: &str = "Examples:
   grosgrain coarsen scenes/beam-oblique.toml
@@ -34,9 +37,9 @@ pub struct Arguments {
     /// Where the model is written; without it the scene's name with .npz, in the current folder
     #[arg(short, long, value_name = "MODEL.npz")]
     output: Option<PathBuf>,
-    /// trilinear, average, global, one-ring, single-cell, substructured or auto; without it the scene's training
+    /// trilinear, average, global, one-ring, single-cell, substructured or auto; without it the scene's training. For a mesh tensor
     #[arg(long)]
-    method: Option<Method>,
+    method: Option<AskedMethod>,
     /// Write the figures as JSON
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -68,11 +71,15 @@ struct Stages {
 /// Trains, fits and writes the coarse model.
 pub fn run(arguments: &Arguments, progress: &Progress) -> Result<(), Failure> {
     let output = arguments.output.clone().unwrap_or_else(|| default_output(&arguments.scene));
-    let problem = Problem::read(&arguments.scene, progress)?;
+    let scene = read_scene(&arguments.scene)?;
+    if scene.is_mesh() {
+        return meshes::run(scene, arguments.method.as_ref(), &output, arguments.json.as_deref(), progress);
+    }
+    let problem = Problem::new(scene, progress)?;
     if let Some(sentence) = loose_from_largest(problem.model.grid()) {
         progress.warn(&sentence);
     }
-    let method = problem.method(arguments.method);
+    let method = problem.method(arguments.method.as_ref())?;
     problem.tell_idle_edits(progress);
     let _folders = (OutputFolder::around(&output)?, arguments.json.as_deref().map(OutputFolder::around).transpose()?);
     let built = build_coarse(&problem, method, progress)?;
