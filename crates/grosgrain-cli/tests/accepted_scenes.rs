@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use grosgrain::coarsening::{BaseKind, Objective};
-use grosgrain::homogenization::Downsampling;
+use grosgrain::homogenization::{Blending, Downsampling};
 use grosgrain::material::Elasticity;
 use grosgrain::mesh::{Axis, Blade, Brush, Cut, Label, PlaneAt, Selector};
 use grosgrain::training::TrainingKind;
@@ -382,11 +382,12 @@ fn scenes_of_meshes_tell_where_fine_and_coarse_meshes_come_from() {
     );
     let full = scene(
         "mesh = \"fine.mesh\"\nscale = 0.001",
-        "[coarsening]\nmesh = \"coarse.msh\"\ndownsampling = \"fitted\"\nheld = true",
+        "[coarsening]\nmesh = \"coarse.msh\"\ndownsampling = \"fitted\"\nheld = true\nmap = \"harmonic\"",
     );
     let mesh = CoarseMeshSource::File(folder.path().join("coarse.msh"));
     assert_eq!(full.body.source, Source::Mesh(MeshSource { scale: 0.001, ..source }));
-    assert_eq!(full.mesh_coarsening, MeshCoarsening { mesh, downsampling: Downsampling::Fitted, held: true });
+    let map = Some(Blending::PerCell);
+    assert_eq!(full.mesh_coarsening, MeshCoarsening { mesh, downsampling: Downsampling::Fitted, held: true, map });
     let lattice = scene("mesh = \"fine.mesh\"", "[coarsening]\ncells = 600");
     assert_eq!(lattice.mesh_coarsening.mesh, CoarseMeshSource::Lattice(600));
 }

@@ -15,7 +15,9 @@ use serde::Serialize;
 
 use crate::failure::Failure;
 use crate::interruption;
-use crate::meshes::{LEAST_FILLED, NamedMesh, SUSPICIOUS_STIFFENING, material_table, read_checked, tell_unused};
+use crate::meshes::{
+    LEAST_FILLED, NamedMesh, material_table, read_checked, stiffened, tell_doubts, tell_unused, worst_of,
+};
 use crate::output::OutputFolder;
 use crate::progress::Progress;
 use crate::quantities::{count, number, seconds};
@@ -224,7 +226,13 @@ pub fn run(arguments: &Arguments, progress: &Progress) -> Result<(), Failure> {
     })?;
     progress.close();
     let figures = Figures::new(&model, &coarse, &found, (arguments.downsampling, reading));
-    figures.warn(progress);
+    let untried = [
+        (arguments.downsampling == How::Nodes, "--downsampling fitted"),
+        (arguments.held.is_empty(), "--held where the body will be held"),
+    ];
+    let remedies: Vec<&str> = untried.into_iter().filter(|(is_untried, _)| *is_untried).map(|(_, what)| what).collect();
+    tell_doubts(&found, &remedies, progress);
+    figures.tell_outside(progress);
     interruption::check()?;
     format.write(&output, (&coarse, &coarse_names), &found)?;
     let mut written = vec![output];
@@ -287,12 +295,8 @@ impl Figures {
         let Homogenized { downsampled, effective, mass, filled, .. } = found;
         let [harmonic, intersections, tensors] = found.seconds;
         let size = |mesh: &SimplexMesh| Size { cells: mesh.cell_count(), nodes: mesh.nodes().len() };
-        let worst = |values: &[f64]| {
-            let worst = (0..).zip(values).max_by(|a, b| a.1.total_cmp(b.1));
-            worst.map_or((0, 0.0), |(cell, value)| (cell, *value))
-        };
-        let (worst_condition_cell, worst_condition) = worst(&effective.condition);
-        let (worst_stiffening_cell, worst_stiffening) = worst(&effective.stiffening);
+        let (worst_condition_cell, worst_condition) = worst_of(&effective.condition);
+        let (worst_stiffening_cell, worst_stiffening) = worst_of(&effective.stiffening);
         let total: f64 = mass.iter().sum();
         let mass_difference = if model.mass() > 0.0 { total / model.mass() - 1.0 } else { 0.0 };
         Self {
@@ -306,7 +310,7 @@ impl Figures {
             worst_condition_cell,
             worst_stiffening,
             worst_stiffening_cell,
-            stiffened_cells: effective.stiffening.iter().filter(|s| **s > SUSPICIOUS_STIFFENING).count(),
+            stiffened_cells: stiffened(effective),
             extrapolated_nodes: downsampled.extrapolated.len(),
             worst_amplification: downsampled.amplification,
             averaged_cells: effective.averaged.clone(),
@@ -314,24 +318,8 @@ impl Figures {
         }
     }
 
-    fn warn(&self, progress: &Progress) {
-        if let [first, ..] = self.averaged_cells[..] {
-            let cells = self.averaged_cells.len();
-            progress.warn(&format!(
-                "in {} coarse cells, the first being cell {first}, the harmonic displacements do not determine all strains; the volume average stands in for them", count(cells)
-            ));
-        }
-        if self.stiffened_cells > 0 {
-            let fit = if self.downsampling == How::Nodes { "--downsampling fitted, " } else { "" };
-            progress.warn(&format!(
-                "the tensors of {} coarse cells are more than twice as stiff as the volume average of the material, which nothing can be; \
-                 at worst {} times, in cell {}: coarse nodes there move less than the body around them. Try {fit}--held where the body \
-                 will be held, or other coarse nodes",
-                count(self.stiffened_cells),
-                number(self.worst_stiffening),
-                self.worst_stiffening_cell
-            ));
-        }
+    /// Says what the fine mesh does not tell about coarse nodes outside of it.
+    fn tell_outside(&self, progress: &Progress) {
         let outside = format!(
             "{} of {} coarse nodes lie outside the fine mesh",
             count(self.extrapolated_nodes),

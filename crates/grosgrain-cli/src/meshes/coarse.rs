@@ -3,24 +3,25 @@
 use std::time::Instant;
 
 use grosgrain::homogenization::{
-    CoarseSimplexModel, HarmonicOptions, HomogenizeOptions, Homogenized, coarse_model, homogenize,
+    Blending, CoarseSimplexModel, Downsampling, HarmonicMap, HarmonicOptions, HomogenizeOptions, Homogenized,
+    coarse_model, homogenize,
 };
 
+use super::doubts::tell_doubts;
 use super::method::MeshMethod;
 use super::problem::MeshProblem;
 use crate::failure::Failure;
 use crate::outcome::failed;
 use crate::progress::Progress;
-use crate::quantities::{counted, number};
-
-/// Tensors that are so many times stiffer than the volume average are told.
-pub const SUSPICIOUS_STIFFENING: f64 = 2.0;
+use crate::quantities::counted;
 
 /// A coarse mesh with the materials of a method.
 #[derive(Clone, Debug)]
 pub struct CoarseMade {
     /// The mesh with its materials, and the masses of its nodes.
     pub coarse: CoarseSimplexModel,
+    /// The harmonic map to the fine mesh and its blending, where the scene asks for it and there are harmonic displacements.
+    pub map: Option<(HarmonicMap, Blending)>,
     /// Seconds: harmonic displacements; intersections; everything else.
     pub seconds: [f64; 3],
 }
@@ -37,7 +38,7 @@ pub fn coarse_of(problem: &MeshProblem, method: MeshMethod, progress: &Progress)
     if method == MeshMethod::Tensor {
         let found = homogenized(problem, progress)?;
         let coarse = CoarseSimplexModel::effective(&problem.coarse, &found).map_err(|error| failed(&error))?;
-        return Ok(CoarseMade { coarse, seconds: found.seconds });
+        return Ok(CoarseMade { coarse, map: map_of(problem, &found, progress), seconds: found.seconds });
     }
     let start = Instant::now();
     let report = |stage, done, total| progress.report(stage, done, total);
@@ -50,7 +51,22 @@ pub fn coarse_of(problem: &MeshProblem, method: MeshMethod, progress: &Progress)
             counted(coarse.nearest.len(), "coarse cell")
         ));
     }
-    Ok(CoarseMade { coarse, seconds: [0.0, 0.0, start.elapsed().as_secs_f64()] })
+    Ok(CoarseMade { coarse, map: None, seconds: [0.0, 0.0, start.elapsed().as_secs_f64()] })
+}
+
+fn map_of(problem: &MeshProblem, found: &Homogenized, progress: &Progress) -> Option<(HarmonicMap, Blending)> {
+    let blending = problem.scene.mesh_coarsening.map?;
+    let fields = (&problem.coarse, &found.downsampled.fields);
+    let map = HarmonicMap::new(&found.harmonic, fields, problem.embedding.clone());
+    let rest = vec![0.0; 3 * problem.coarse.nodes().len()];
+    let without = map.map(&rest, blending).barycentric.len();
+    if without > 0 {
+        progress.say(&format!(
+            "the harmonic displacements of {} are not independent: fine nodes there follow the barycentric map",
+            counted(without, "coarse cell")
+        ));
+    }
+    Some((map, blending))
 }
 
 /// Effective tensors and masses of the coarse mesh, as the scene's `[coarsening]` asks for them.
@@ -69,26 +85,11 @@ pub fn homogenized(problem: &MeshProblem, progress: &Progress) -> Result<Homogen
     let found = homogenize(&problem.fine, &problem.coarse, &options, &report);
     progress.close();
     let found = found.map_err(|error| failed(&format!("{}: {error}", problem.scene.file.display())))?;
-    tell_doubts(&found, progress);
+    let untried = [
+        (coarsening.downsampling == Downsampling::AtNodes, "downsampling = \"fitted\" in [coarsening]"),
+        (!coarsening.held, "held = true in [coarsening]"),
+    ];
+    let remedies: Vec<&str> = untried.into_iter().filter(|(is_untried, _)| *is_untried).map(|(_, what)| what).collect();
+    tell_doubts(&found, &remedies, progress);
     Ok(found)
-}
-
-fn tell_doubts(found: &Homogenized, progress: &Progress) {
-    let effective = &found.effective;
-    if let [first, ..] = effective.averaged[..] {
-        progress.warn(&format!(
-            "in {}, the first being cell {first}, the harmonic displacements do not determine all strains; the volume average stands in for them",
-            counted(effective.averaged.len(), "coarse cell")
-        ));
-    }
-    let stiffened = effective.stiffening.iter().filter(|s| **s > SUSPICIOUS_STIFFENING).count();
-    if stiffened > 0 {
-        let worst = effective.stiffening.iter().copied().fold(0.0, f64::max);
-        progress.warn(&format!(
-            "the tensors of {} are more than twice as stiff as the volume average of the material, which nothing can be; at worst {} times: coarse \
-             nodes there move less than the body around them. Try downsampling = \"fitted\" or held = true in [coarsening], or other coarse nodes",
-            counted(stiffened, "coarse cell"),
-            number(worst)
-        ));
-    }
 }

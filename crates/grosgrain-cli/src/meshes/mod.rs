@@ -3,6 +3,7 @@
 mod coarse;
 mod conditions;
 mod cut;
+mod doubts;
 mod frames;
 mod harmonic_picture;
 mod input;
@@ -16,9 +17,10 @@ mod skin;
 mod support;
 mod track;
 
-pub use coarse::{CoarseMade, SUSPICIOUS_STIFFENING, coarse_of, homogenized};
+pub use coarse::{CoarseMade, coarse_of, homogenized};
 pub use conditions::MeshConditions;
 pub use cut::MeshCut;
+pub use doubts::{stiffened, tell_doubts, worst_of};
 pub use frames::{MeshFrames, ShownCoarseMesh, ShownMesh};
 pub use harmonic_picture::harmonic_panels;
 pub use input::{NamedMesh, material_table, read_checked, tell_unused};

@@ -1,8 +1,8 @@
 //! One mesh of a problem in a run, and how the fine nodes move with it.
 
 use grosgrain::dynamics::{Hold, Holds, SimplexBody, State, restrict_conditions, simplex_mass};
-use grosgrain::homogenization::SimplexModel;
-use grosgrain::simplex::SimplexMesh;
+use grosgrain::homogenization::{Blending, HarmonicMap, SimplexModel};
+use grosgrain::simplex::{BoundingBox, SimplexMesh};
 
 use super::coarse::coarse_of;
 use super::method::MeshMethod;
@@ -27,7 +27,12 @@ pub struct MeshRun {
     pub track: SimplexTrack,
     /// What the coarse cells are made of; `None` for the fine mesh.
     pub coarse: Option<SimplexModel>,
+    /// How the fine mesh follows, where it is not by the barycentric map.
+    map: Option<(HarmonicMap, Blending)>,
 }
+
+/// Share of the body's size by which velocities move it, to see where they move the fine mesh.
+const INSTANT: f64 = 1e-6;
 
 impl MeshRun {
     /// The model of a method at the start of the run.
@@ -36,13 +41,13 @@ impl MeshRun {
     /// Coarse materials that are not found, a static run of a coarse mesh that is not held, bodies that do not fit into memory, an interruption.
     pub fn new(problem: &MeshProblem, method: MeshMethod, progress: &Progress) -> Result<Self, Failure> {
         interruption::check()?;
-        let (body, coarse, build) = match method {
-            MeshMethod::Fine => (fine_body(problem)?, None, [0.0; 3]),
+        let (body, coarse, map, build) = match method {
+            MeshMethod::Fine => (fine_body(problem)?, None, None, [0.0; 3]),
             _ => {
                 progress.say(&format!("building the coarse model: {method}"));
                 let made = coarse_of(problem, method, progress)?;
                 let body = coarse_body(problem, &made.coarse.model, &made.coarse.mass, progress)?;
-                (body, Some(made.coarse.model), made.seconds)
+                (body, Some(made.coarse.model), made.map, made.seconds)
             }
         };
         let mut track = SimplexTrack::new(method.name(), body, &time_of(problem))?;
@@ -52,7 +57,7 @@ impl MeshRun {
             let state = start(problem, mesh, &track);
             track.start_from(state)?;
         }
-        Ok(Self { method, track, coarse })
+        Ok(Self { method, track, coarse, map })
     }
 
     /// Its mesh.
@@ -70,12 +75,30 @@ impl MeshRun {
         self.on_fine(problem, &self.track.state.displacement)
     }
 
-    /// Velocity \[m/s\] of the fine nodes.
+    /// Velocity \[m/s\] of the fine nodes: by the harmonic map the change of their displacement in a very short time.
     pub fn velocity(&self, problem: &MeshProblem) -> Vec<f64> {
-        self.on_fine(problem, &self.track.state.velocity)
+        let State { displacement, velocity } = &self.track.state;
+        let fastest = velocity.iter().fold(0.0f64, |most, v| most.max(v.abs()));
+        if self.map.is_none() || fastest == 0.0 {
+            return self.barycentric(problem, velocity);
+        }
+        let instant =
+            INSTANT * BoundingBox::of_points(problem.fine.mesh().nodes().iter().copied()).diagonal() / fastest;
+        let at = |time: f64| -> Vec<f64> {
+            let moved: Vec<f64> = displacement.iter().zip(velocity).map(|(u, v)| u + time * v).collect();
+            self.on_fine(problem, &moved)
+        };
+        at(instant).iter().zip(at(-instant)).map(|(after, before)| (after - before) / (2.0 * instant)).collect()
     }
 
-    fn on_fine(&self, problem: &MeshProblem, field: &[f64]) -> Vec<f64> {
+    fn on_fine(&self, problem: &MeshProblem, displacement: &[f64]) -> Vec<f64> {
+        match &self.map {
+            Some((map, blending)) => map.map(displacement, *blending).displacement,
+            None => self.barycentric(problem, displacement),
+        }
+    }
+
+    fn barycentric(&self, problem: &MeshProblem, field: &[f64]) -> Vec<f64> {
         match self.coarse {
             Some(_) => problem.embedding.prolong(field),
             None => field.to_vec(),

@@ -51,6 +51,7 @@ const KEYS: &[&str] = &[
     "cells",
     "downsampling",
     "held",
+    "map",
 ];
 
 impl Default for Coarsening {

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use grosgrain::homogenization::Downsampling;
+use grosgrain::homogenization::{Blending, Downsampling};
 use grosgrain::material::Law;
 use grosgrain::update::LooseParts;
 
@@ -13,7 +13,7 @@ use super::labels::Labelling;
 use super::section::Section;
 
 /// Keys of `[coarsening]` that belong to meshes.
-pub const MESH_KEYS: &[&str] = &["mesh", "cells", "downsampling", "held"];
+pub const MESH_KEYS: &[&str] = &["mesh", "cells", "downsampling", "held", "map"];
 
 /// A mesh file that is the body.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,6 +45,8 @@ pub struct MeshCoarsening {
     pub downsampling: Downsampling,
     /// Whether harmonic displacements are held where the scene holds the body.
     pub held: bool,
+    /// How harmonic displacements take part in the displacement of the fine mesh; `None` for the barycentric map without them.
+    pub map: Option<Blending>,
 }
 
 /// Whether a scene's body is a mesh; other tables have other keys then.
@@ -82,13 +84,24 @@ pub fn read_mesh_coarsening(item: &Item, known: &'static [&'static str]) -> Read
     let choices = [("nodes", Downsampling::AtNodes), ("fitted", Downsampling::Fitted)];
     let downsampling = section.optional("downsampling", |how| how.choice(&choices));
     let held = section.optional("held", Item::boolean);
+    let maps = [
+        ("barycentric", None),
+        ("harmonic", Some(Blending::PerCell)),
+        ("harmonic-blended", Some(Blending::Continuous)),
+    ];
+    let map = section.optional("map", |map| map.choice(&maps));
     refused.into_iter().collect::<Reading<()>>()?;
     let mesh = match (file?, cells?) {
         (Some(file), _) => CoarseMeshSource::File(file),
         (None, Some(cells)) => CoarseMeshSource::Lattice(cells),
         (None, None) => CoarseMeshSource::Default,
     };
-    Ok(MeshCoarsening { mesh, downsampling: downsampling?.unwrap_or_default(), held: held?.unwrap_or_default() })
+    Ok(MeshCoarsening {
+        mesh,
+        downsampling: downsampling?.unwrap_or_default(),
+        held: held?.unwrap_or_default(),
+        map: map?.flatten(),
+    })
 }
 
 fn refuse_voxel_key(item: &Item, advice: &str) -> Reading<()> {

@@ -161,6 +161,42 @@ fn layers_in_series_keep_their_stiffness_with_tensors_only() {
 }
 
 #[test]
+fn the_harmonic_map_puts_the_soft_layers_back_where_they_stretch() {
+    let folder = tempfile::tempdir().unwrap();
+    write_bar(folder.path(), Dimension::One, [8, 1, 1], [2, 1, 1]);
+    let layers = ["label = 2\nyoung = 1e5", "label = 2\nyoung = 9e5"];
+    let errors = |map: &str| {
+        let coarsening = ["mesh = \"coarse.mesh\"\n", &format!("mesh = \"coarse.mesh\"\nmap = \"{map}\"\n")];
+        let rows = compared(folder.path(), &changed(PULLED, [layers, coarsening]));
+        rows.iter().map(|row| figure(row, "error_percent")).collect::<Vec<f64>>()
+    };
+    let [plain, harmonic, blended] = ["barycentric", "harmonic", "harmonic-blended"].map(errors);
+    // The stress is that of a harmonic displacement, so that the fine displacement is one.
+    assert!(plain[1] > 1.0 && harmonic[1] < 1e-6 && blended[1] < 1e-6, "{plain:?} {harmonic:?} {blended:?}");
+    assert_eq!(plain[2..], harmonic[2..], "averages have no harmonic displacements");
+    let scene = PULLED.replace("mesh = \"coarse.mesh\"\n", "mesh = \"coarse.mesh\"\nmap = \"magic\"\n");
+    let refused = run(folder.path(), &scene, &["compare", "scene.toml"]);
+    assert!(refused.code == Some(2) && refused.stderr.contains("harmonic-blended"), "{}", refused.stderr);
+}
+
+#[test]
+fn a_bar_in_flight_has_the_same_velocity_by_either_map() {
+    let folder = tempfile::tempdir().unwrap();
+    write_bar(folder.path(), Dimension::Three, [8, 2, 2], [2, 1, 1]);
+    let velocities = |map: &str| {
+        let coarsening = ["mesh = \"coarse.mesh\"\n", &format!("mesh = \"coarse.mesh\"\nmap = \"{map}\"\n")];
+        let layers = ["label = 2\nyoung = 1e5", "label = 2\nyoung = 9e5"];
+        let scene = changed(&changed(PULLED, THROWN), [coarsening, layers]);
+        run(folder.path(), &scene, &["simulate", "scene.toml", "-o", map]).done();
+        Vtu::read(&folder.path().join(map).join("body_0004.vtu")).vectors("velocity").to_vec()
+    };
+    let [plain, blended] = ["barycentric", "harmonic-blended"].map(velocities);
+    for (a, b) in plain.iter().zip(&blended) {
+        assert!((0..3).all(|r| (a[r] - b[r]).abs() < 1e-6), "{a:?} {b:?}");
+    }
+}
+
+#[test]
 fn a_bar_on_springs_shifts_by_force_over_stiffness() {
     let folder = tempfile::tempdir().unwrap();
     write_bar(folder.path(), Dimension::Three, [8, 2, 2], [2, 1, 1]);
