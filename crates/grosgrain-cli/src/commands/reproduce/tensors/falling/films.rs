@@ -72,8 +72,7 @@ impl Recorder {
             materials: look.legend(),
             slowdown: LENGTH / (fall.step * fall.steps as f64),
             footer: vec![
-                "Cut open. Below, the body of the fine mesh is carried by the coarse one, whose edges are drawn."
-                    .into(),
+                "Cut open. Coarse: the body of the fine mesh, carried by the coarse one, whose edges are drawn.".into(),
             ],
             ..FilmOptions::default()
         };
