@@ -7,6 +7,11 @@ use crate::linalg::sum_of_blocks;
 use crate::material::Projection;
 use crate::simplex::{Dimension, MandelTensor, SimplexMesh};
 
+/// Cells of a task; fewer are done at once than it takes to wake a thread, and coarse meshes have no more.
+const FORCES_AT_ONCE: usize = 256;
+/// The same for second derivatives.
+const TANGENTS_AT_ONCE: usize = 128;
+
 /// The row-major 12×12 matrix of a cell with four corners, three components each; rows and columns of corners and axes that a dimension does not have are zero.
 pub type SimplexMatrix = [f64; 144];
 
@@ -119,7 +124,8 @@ impl SimplexElasticity {
     pub fn gradient(&self, displacement: &[f64], gradient: &mut [f64]) -> Option<f64> {
         assert_eq!([displacement.len(), gradient.len()], [3 * self.nodes; 2], "three entries per node");
         let of_cell = |cell: usize| self.cells[cell].gradient(&self.at_corners(cell, displacement));
-        let forces: Vec<(f64, Corners)> = (0..self.cells.len()).into_par_iter().map(of_cell).collect::<Option<_>>()?;
+        let forces: Vec<(f64, Corners)> =
+            (0..self.cells.len()).into_par_iter().with_min_len(FORCES_AT_ONCE).map(of_cell).collect::<Option<_>>()?;
         for (corners, (_, forces)) in self.corners.iter().zip(&forces) {
             for (v, force) in corners.iter().zip(forces) {
                 (0..3).for_each(|r| gradient[3 * *v as usize + r] += force[r]);
@@ -137,7 +143,7 @@ impl SimplexElasticity {
     pub fn tangents(&self, displacement: &[f64], projection: Projection, tangents: &mut [SimplexMatrix]) -> Option<()> {
         assert_eq!(displacement.len(), 3 * self.nodes, "three entries per node");
         assert_eq!(tangents.len(), self.cells.len(), "one matrix per cell");
-        tangents.par_iter_mut().enumerate().try_for_each(|(cell, tangent)| {
+        tangents.par_iter_mut().with_min_len(TANGENTS_AT_ONCE).enumerate().try_for_each(|(cell, tangent)| {
             *tangent = self.cells[cell].hessian(&self.at_corners(cell, displacement), projection)?;
             Some(())
         })
