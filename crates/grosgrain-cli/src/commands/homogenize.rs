@@ -10,13 +10,14 @@ use grosgrain::io::mesh::{AbaqusDeck, AbaqusMaterials, write_abaqus};
 use grosgrain::io::vtk::{DataArray, SimplexGrid, Values, write_simplex_vtu};
 use grosgrain::io::{write_atomically, write_tensors};
 use grosgrain::mesh::{Axis, PlaneAt, Selector};
-use grosgrain::simplex::{BoxCut, SimplexLattice, SimplexMesh, select_nodes};
+use grosgrain::simplex::{SimplexMesh, select_nodes};
 use serde::Serialize;
 
 use crate::failure::Failure;
 use crate::interruption;
 use crate::meshes::{
-    LEAST_FILLED, NamedMesh, material_table, read_checked, stiffened, tell_doubts, tell_unused, worst_of,
+    LEAST_FILLED, NamedMesh, lattice_around, material_table, read_checked, stiffened, tell_doubts, tell_unused,
+    worst_of,
 };
 use crate::output::OutputFolder;
 use crate::progress::Progress;
@@ -256,8 +257,8 @@ fn coarse_mesh(arguments: &Arguments, fine: &SimplexMesh, progress: &Progress) -
         return read(onto, arguments.scale, progress);
     }
     let count = arguments.cells.unwrap_or(1) as usize;
-    let made = SimplexLattice::mesh_of_about(count, fine, BoxCut::Alternating, LEAST_FILLED);
-    let mesh = made.map_err(|error| Failure::Failed(format!("{}: {error}", arguments.fine.display())))?;
+    let made = lattice_around(fine, count);
+    let mesh = made.map_err(|error| Failure::Unusable(format!("{}: --cells: {error}", arguments.fine.display())))?;
     progress.say(&format!(
         "made a coarse mesh of {} cells, all filled to {:.0} % at least",
         crate::quantities::count(mesh.cell_count()),

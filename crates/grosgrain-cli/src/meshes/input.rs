@@ -5,10 +5,16 @@ use std::path::Path;
 use grosgrain::homogenization::SimplexModel;
 use grosgrain::io::mesh::read_mesh;
 use grosgrain::material::{Material, MaterialTable};
-use grosgrain::simplex::{Severity, SimplexMesh, check_mesh};
+use grosgrain::simplex::{BoxCut, Severity, SimplexLattice, SimplexMesh, check_mesh};
 
 use crate::progress::Progress;
+use crate::quantities::count;
 use crate::scene::SceneMaterial;
+
+/// Cells of a lattice around a body that are filled to a smaller share are left out.
+pub const LEAST_FILLED: f64 = 0.1;
+/// Any body may have a coarse mesh of so many cells, however few it has itself.
+const FEW_CELLS: usize = 5;
 
 /// A mesh, and the names that its file gives to tags.
 pub type NamedMesh = (SimplexMesh, Vec<(i32, String)>);
@@ -32,6 +38,22 @@ pub fn read_checked(file: &Path, scale: f64, progress: &Progress) -> Result<Name
         }
     }
     Ok((mesh, names))
+}
+
+/// A coarse mesh for a body that has none: a lattice of about so many cells around it.
+///
+/// # Errors
+/// The sentence, where that is more cells than the body has, or no lattice.
+pub fn lattice_around(fine: &SimplexMesh, cells: usize) -> Result<SimplexMesh, String> {
+    let most = fine.cell_count().max(FEW_CELLS);
+    if cells > most {
+        return Err(format!(
+            "{} coarse cells are more than the {} of the body; expected fewer",
+            count(cells),
+            count(fine.cell_count())
+        ));
+    }
+    SimplexLattice::mesh_of_about(cells, fine, BoxCut::Alternating, LEAST_FILLED).map_err(|error| error.to_string())
 }
 
 /// The materials by tag; those that give no density have none. Tensors are those of small strains, whatever law the material has beyond.

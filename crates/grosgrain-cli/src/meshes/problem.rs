@@ -7,10 +7,10 @@ use std::time::Instant;
 use grosgrain::dynamics::{LoadPath, RigidVelocity};
 use grosgrain::homogenization::{SimplexEmbedding, SimplexModel};
 use grosgrain::material::{Law, MaterialTable};
-use grosgrain::simplex::{BoxCut, Locator, Overlaps, SimplexLattice, SimplexLaw, SimplexMesh};
+use grosgrain::simplex::{Locator, Overlaps, SimplexLaw, SimplexMesh};
 
 use super::conditions::MeshConditions;
-use super::input::{material_table, read_checked, tell_unused};
+use super::input::{lattice_around, material_table, read_checked, tell_unused};
 use super::support::{Support, require_support};
 use crate::failure::Failure;
 use crate::problem::END_OF_RAMPS;
@@ -23,9 +23,6 @@ use crate::scene::{CoarseMeshSource, MeshSource, Scene, Source, Start};
 const CELLS_PER_COARSE_CELL: usize = 100;
 /// Cells that such a lattice has at least.
 const LEAST_CELLS: usize = 5;
-
-/// Cells of a lattice around the body that are filled to a smaller share are left out.
-pub const LEAST_FILLED: f64 = 0.1;
 
 /// A scene with its fine and its coarse mesh.
 #[derive(Debug)]
@@ -178,8 +175,7 @@ fn coarse_mesh(
     progress: &Progress,
 ) -> Result<SimplexMesh, Failure> {
     let lattice = |cells: usize| {
-        SimplexLattice::mesh_of_about(cells, fine, BoxCut::Alternating, LEAST_FILLED)
-            .map_err(|error| Failure::from(scene.unusable("coarsening.cells", error)))
+        lattice_around(fine, cells).map_err(|sentence| Failure::from(scene.unusable("coarsening.cells", sentence)))
     };
     let (key, mesh) = match &scene.mesh_coarsening.mesh {
         CoarseMeshSource::File(file) => {

@@ -67,6 +67,7 @@ fn a_mesh_is_made_where_none_is_given_and_fits_are_softer_than_values_at_nodes()
     refused(&[], "--onto");
     refused(&["--cells", "40", "--held", "w=min"], "expected x, y or z");
     refused(&["--cells", "40", "--held", "x=11"], "holds no node");
+    refused(&["--cells", "4000000000"], "more than the 16,275 of the body");
 }
 
 #[test]

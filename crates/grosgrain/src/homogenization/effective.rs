@@ -234,7 +234,7 @@ mod tests {
         let most = stiffening(6, &tensor, &average).unwrap();
         let energy = |m: &Matrix6, e: &[f64; 6]| (0..36).map(|n| e[n / 6] * m[n / 6][n % 6] * e[n % 6]).sum::<f64>();
         let mut found = 0.0f64;
-        // Power iteration with the ratio itself: ε ← ⟨C⟩⁻¹ C̄ ε by steepest ascent over many starts.
+        // Steepest ascent of the ratio from many starts.
         for seed in 0..200 {
             let mut e: [f64; 6] = std::array::from_fn(|i| ((seed * 7 + i * 13) as f64).sin());
             for step in 0..400 {
